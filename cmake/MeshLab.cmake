@@ -1,0 +1,67 @@
+# Where MeshLab's headers are, and add_meshlab_plugin(NAME SOURCES...).
+#
+# MESHLAB_SOURCE_DIR  an unpacked MeshLab source tree; scripts/build finds or fetches one and names it here
+# MESHLAB_VERSION     what the host checks, e.g. 2025.07d (double) or 2025.07 (float)
+# MESHLAB_SCALAR      double or float; must be the host's
+
+if(DEFINED ENV{XDG_CACHE_HOME})
+  set(meshlab_default $ENV{XDG_CACHE_HOME})
+else()
+  set(meshlab_default $ENV{HOME}/.cache)
+endif()
+set(meshlab_default ${meshlab_default}/sphere-propagation/meshlab-2025.07)
+if(DEFINED ENV{MESHLAB_SOURCE_DIR})
+  set(meshlab_default $ENV{MESHLAB_SOURCE_DIR})
+endif()
+set(MESHLAB_SOURCE_DIR ${meshlab_default} CACHE PATH "Unpacked MeshLab source tree")
+set(MESHLAB_VERSION 2025.07d CACHE STRING "MeshLab version the plugin is for")
+set(MESHLAB_SCALAR double CACHE STRING "Scalar type of that MeshLab")
+
+# 2020.09 keeps vcglib beside src, later versions inside.
+set(vcglib_dir ${MESHLAB_SOURCE_DIR}/src/vcglib)
+if(NOT EXISTS ${vcglib_dir}/vcg)
+  set(vcglib_dir ${MESHLAB_SOURCE_DIR}/vcglib)
+endif()
+if(NOT EXISTS ${vcglib_dir}/vcg/complex/complex.h)
+  message(FATAL_ERROR "No MeshLab source in MESHLAB_SOURCE_DIR=${MESHLAB_SOURCE_DIR}: "
+                      "call scripts/build, which fetches it, or name an unpacked tree.")
+endif()
+
+add_library(vcglib INTERFACE)
+target_include_directories(vcglib SYSTEM INTERFACE ${vcglib_dir})
+
+if(SPHERE_PROPAGATION_PLUGINS)
+  find_package(Qt5 5.12 REQUIRED COMPONENTS Core Widgets OpenGL Xml)
+
+  add_library(meshlab_headers INTERFACE)
+  target_include_directories(meshlab_headers SYSTEM INTERFACE ${MESHLAB_SOURCE_DIR}/src)
+  target_compile_definitions(meshlab_headers INTERFACE
+    MESHLAB_VERSION=${MESHLAB_VERSION} MESHLAB_SCALAR=${MESHLAB_SCALAR})
+  target_link_libraries(meshlab_headers INTERFACE vcglib Qt5::Core Qt5::Widgets Qt5::OpenGL Qt5::Xml)
+
+  # An empty library that carries the name of MeshLab's own. PyMeshLab loads plugins with RTLD_LOCAL, so a plugin finds the
+  # host's functions only when it names the library that holds them; the real one is loaded before any plugin.
+  file(WRITE ${CMAKE_BINARY_DIR}/stub/stub.cpp "")
+  add_library(meshlab_common_stub SHARED ${CMAKE_BINARY_DIR}/stub/stub.cpp)
+  set_target_properties(meshlab_common_stub PROPERTIES
+    OUTPUT_NAME meshlab-common LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/stub)
+endif()
+
+set(MESHLAB_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
+
+# A plugin build/<preset>/plugins/lib<NAME>.so. Its functions that only the host defines stay undefined until it is loaded.
+function(add_meshlab_plugin NAME)
+  add_library(${NAME} MODULE ${ARGN})
+  target_link_libraries(${NAME} PRIVATE vcg_ext meshlab_headers compiler_settings)
+  add_dependencies(${NAME} meshlab_common_stub)
+  target_compile_definitions(${NAME} PRIVATE QT_PLUGIN)
+  # Only Qt's two entry points are visible: other plugins bring their own Eigen and VCG, built with other flags.
+  target_link_options(${NAME} PRIVATE
+    "LINKER:--push-state,--no-as-needed,$<TARGET_FILE:meshlab_common_stub>,--pop-state"
+    "LINKER:--version-script=${MESHLAB_PLUGIN_EXPORTS}")
+  set_target_properties(${NAME} PROPERTIES
+    AUTOMOC ON
+    SKIP_BUILD_RPATH ON
+    LINK_DEPENDS ${MESHLAB_PLUGIN_EXPORTS}
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
+endfunction()
