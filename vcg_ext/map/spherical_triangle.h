@@ -1,0 +1,35 @@
+#pragma once
+/// Geometry of triangles on the unit sphere, and tangent frames: what the algorithms that move vertices over the sphere
+/// share. (The certificate deliberately has its own.)
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "vcg_ext/base/matrices.h"
+
+namespace sphere_propagation {
+
+/// Signed solid angle (steradian, in (-2 pi, 2 pi]) of the spherical triangle of unit vectors a, b, c; positive when they
+/// run counter-clockwise seen from outside. A. van Oosterom and J. Strackee, 1983; differences keep small triangles exact.
+inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 e = b - a, g = c - a;
+  return 2 * std::atan2(a.dot(e.cross(g)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+}
+
+/// The same, and its gradient with respect to a (tangential part; b and c fixed).
+inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c, Vector3& gradient) {
+  const Vector3 e = b - a, g = c - a;
+  const double n = a.dot(e.cross(g)), d = 1 + a.dot(b) + b.dot(c) + c.dot(a);
+  gradient = (2 / (n * n + d * d)) * (d * b.cross(c) - n * (b + c));
+  return 2 * std::atan2(n, d);
+}
+
+/// Right-handed orthonormal frame (t1, t2, x) at the unit vector x, without branches on its direction
+/// (T. Duff et al., Building an orthonormal basis, revisited, 2017).
+inline void tangentFrame(const Vector3& x, Vector3& t1, Vector3& t2) {
+  const double s = std::copysign(1.0, x[2]), a = -1 / (s + x[2]), b = x[0] * x[1] * a;
+  t1 = Vector3(1 + s * x[0] * x[0] * a, s * b, -s * x[0]);
+  t2 = Vector3(b, s + x[1] * x[1] * a, -x[1]);
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,42 @@
+#pragma once
+/// Closest points on a triangle mesh.
+
+#include <vector>
+
+#include "vcg_ext/base/matrices.h"
+
+namespace sphere_propagation {
+
+/// A point of a triangle mesh.
+struct SurfacePoint {
+  int face = -1;                       ///< -1: none was found
+  Vector3 weights = Vector3::Zero();   ///< barycentric, of the face's corners in order; none negative, sum 1
+  double distance = 0;                 ///< from the query
+
+  /// The value of a per-vertex quantity (#V by 3) at this point.
+  Vector3 interpolate(const Triangles& faces, const Points& values) const {
+    return weights[0] * values.row(faces(face, 0)).transpose() + weights[1] * values.row(faces(face, 1)).transpose() +
+           weights[2] * values.row(faces(face, 2)).transpose();
+  }
+};
+
+/// A tree of bounding boxes over the faces of a mesh; built once, asked often. Copies what it needs of the mesh.
+class SurfaceLocator {
+ public:
+  /// vertices: #V by 3, finite; faces: #F by 3, at least one; zero-area faces are fine.
+  SurfaceLocator(const Points& vertices, const Triangles& faces);
+
+  /// The point of the mesh closest to x. Of equally close ones the face with the smallest index.
+  SurfacePoint closest(const Vector3& x) const;
+
+  /// The same among the faces whose unit normal has a dot product >= leastCosine with the unit vector `direction`;
+  /// face = -1 when there is none. Faces without area agree with no direction.
+  SurfacePoint closest(const Vector3& x, const Vector3& direction, double leastCosine) const;
+
+ private:
+  struct Node;
+  struct Query;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace sphere_propagation
