@@ -3,7 +3,7 @@ add_library(compiler_settings INTERFACE)
 
 # Fused multiply-adds change the last bit from one processor to the next: results should not depend on the machine.
 target_compile_options(compiler_settings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wfloat-conversion -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi
+  -Wall -Wextra -Wpedantic $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow> -Wfloat-conversion -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi
   -ffp-contract=off)
 
 if(SPHERE_PROPAGATION_WERROR)
