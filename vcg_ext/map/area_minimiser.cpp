@@ -1,0 +1,192 @@
+#include "vcg_ext/map/area_minimiser.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "vcg_ext/map/spherical_triangle.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr double leastSolidAngle = 1e-14;
+constexpr double largestSolidAngle = 6.0;
+/// An edge near to antipodal has no direction: past this cosine it may not grow.
+constexpr double leastCosine = -0.9;
+/// A face may shrink in one step to this share of what it has, or of what it should have.
+constexpr double shrinkage = 0.1;
+
+std::array<Vector3, 3> corners(const Triangles& faces, const Points& positions, int f) {
+  return {positions.row(faces(f, 0)).transpose(), positions.row(faces(f, 1)).transpose(),
+          positions.row(faces(f, 2)).transpose()};
+}
+
+double dot(const std::vector<Tangent>& a, const std::vector<Tangent>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+}  // namespace
+
+AreaMinimiser::AreaMinimiser(const ClosedSurface& surface, std::vector<FaceTarget> targets)
+    : surface_(surface), targets_(std::move(targets)) {
+  const auto n = static_cast<size_t>(surface.vertexCount()), halfEdges = 3 * static_cast<size_t>(surface.faceCount());
+  rowStart_.assign(n + 1, 0);
+  slot_.resize(halfEdges);
+  column_.reserve(halfEdges);
+  for (int v = 0; v < surface.vertexCount(); ++v) {
+    for (int h : surface.outgoing(v)) {
+      slot_[h] = static_cast<int>(column_.size());
+      column_.push_back(surface.target(h));
+    }
+    rowStart_[v + 1] = static_cast<int>(column_.size());
+  }
+  frame_.resize(n);
+  diagonal_.resize(n);
+  preconditioner_.resize(n);
+  offDiagonal_.resize(halfEdges);
+  for (auto* vector : {&gradient_, &step_, &residual_, &search_, &image_, &scaled_}) vector->resize(n);
+  solidAngle_.resize(targets_.size());
+  share_.resize(n);
+  trial_.resize(surface.vertexCount(), 3);
+}
+
+double AreaMinimiser::energy(const AreaEnergyWeights& weights, const Points& positions) const {
+  double sum = 0;
+  for (int f = 0; f < surface_.faceCount(); ++f)
+    sum += faceEnergy(targets_[f], weights, corners(surface_.faces(), positions, f));
+  return sum;
+}
+
+double AreaMinimiser::step(const AreaStepParameters& parameters, Points& positions) {
+  const double before = energy(parameters.weights, positions);
+  if (!std::isfinite(before)) return 1;
+  assemble(parameters, positions);
+  solve(parameters);
+  std::fill(share_.begin(), share_.end(), 1.0);
+  constexpr int halvings = 14;
+  for (int i = 0; i < halvings; ++i) {
+    double after = 0;
+    if (limitStep(parameters, positions, trial_, after) && after < before) {
+      positions.swap(trial_);
+      return after / before;
+    }
+    for (double& share : share_) share *= 0.5;
+  }
+  return 1;
+}
+
+void AreaMinimiser::assemble(const AreaStepParameters& parameters, const Points& positions) {
+  for (int v = 0; v < surface_.vertexCount(); ++v) {
+    tangentFrame(positions.row(v).transpose(), frame_[v][0], frame_[v][1]);
+    gradient_[v].setZero();
+    diagonal_[v].setZero();
+  }
+  for (TangentBlock& block : offDiagonal_) block.setZero();
+  for (int f = 0; f < surface_.faceCount(); ++f) {
+    const auto p = corners(surface_.faces(), positions, f);
+    const std::array<int, 3> v = {surface_.faces()(f, 0), surface_.faces()(f, 1), surface_.faces()(f, 2)};
+    const FaceExpansion e =
+        expandFaceEnergy(targets_[f], parameters.weights, p, {frame_[v[0]], frame_[v[1]], frame_[v[2]]});
+    solidAngle_[f] = solidAngle(p[0], p[1], p[2]);
+    for (int k = 0; k < 3; ++k) {
+      const int l = (k + 1) % 3, h = 3 * f + k, forward = slot_[h], backward = slot_[surface_.twin(h)];
+      gradient_[v[k]] += e.gradient[k];
+      diagonal_[v[k]] += e.hessian[k][k];
+      offDiagonal_[forward] += e.hessian[k][l];
+      offDiagonal_[backward] += e.hessian[l][k];
+      // Damping: the Dirichlet energy of the displacement, cotangents of the triangle on the sphere, kept within bounds.
+      const Vector3 a = p[k] - p[(k + 2) % 3], b = p[l] - p[(k + 2) % 3];
+      const double cotangent = 0.5 * a.dot(b) / (a.cross(b).norm() + 1e-300);
+      const double c = parameters.damping * std::clamp(cotangent, 0.005, 10.0);
+      TangentBlock turn;
+      for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) turn(i, j) = frame_[v[k]][i].dot(frame_[v[l]][j]);
+      diagonal_[v[k]] += c * TangentBlock::Identity();
+      diagonal_[v[l]] += c * TangentBlock::Identity();
+      offDiagonal_[forward] -= c * turn;
+      offDiagonal_[backward] -= c * turn.transpose();
+    }
+  }
+  for (size_t v = 0; v < diagonal_.size(); ++v) {
+    diagonal_[v].diagonal() *= 1 + 1e-8;
+    preconditioner_[v] = diagonal_[v].inverse();
+  }
+}
+
+void AreaMinimiser::multiply(const std::vector<Tangent>& x, std::vector<Tangent>& y) const {
+  for (size_t v = 0; v < x.size(); ++v) {
+    Tangent sum = diagonal_[v] * x[v];
+    for (int i = rowStart_[v]; i < rowStart_[v + 1]; ++i) sum += offDiagonal_[i] * x[column_[i]];
+    y[v] = sum;
+  }
+}
+
+void AreaMinimiser::solve(const AreaStepParameters& parameters) {
+  const size_t n = step_.size();
+  const auto precondition = [&] {
+    for (size_t v = 0; v < n; ++v) scaled_[v] = preconditioner_[v] * residual_[v];
+  };
+  for (size_t v = 0; v < n; ++v) {
+    step_[v].setZero();
+    residual_[v] = -gradient_[v];
+  }
+  precondition();
+  search_ = scaled_;
+  double rho = dot(residual_, scaled_);
+  const double enough = rho * parameters.conjugateGradientTolerance * parameters.conjugateGradientTolerance;
+  for (int i = 0; i < parameters.conjugateGradientIterations && rho > enough; ++i) {
+    multiply(search_, image_);
+    const double alpha = rho / dot(search_, image_);
+    for (size_t v = 0; v < n; ++v) {
+      step_[v] += alpha * search_[v];
+      residual_[v] -= alpha * image_[v];
+    }
+    precondition();
+    const double next = dot(residual_, scaled_);
+    const double beta = next / rho;
+    rho = next;
+    for (size_t v = 0; v < n; ++v) search_[v] = scaled_[v] + beta * search_[v];
+  }
+}
+
+bool AreaMinimiser::limitStep(const AreaStepParameters& parameters, const Points& positions, Points& moved,
+                              double& energy) {
+  const Triangles& faces = surface_.faces();
+  constexpr int rounds = 30, stopping = 20;  // after `stopping` rounds the vertices of a bad face stay where they are
+  for (int round = 0; round < rounds; ++round) {
+    for (int v = 0; v < surface_.vertexCount(); ++v) {
+      Vector3 p = positions.row(v).transpose();
+      if (share_[v] > 0)
+        p = (p + share_[v] * (step_[v][0] * frame_[v][0] + step_[v][1] * frame_[v][1])).normalized();
+      moved.row(v) = p.transpose();
+    }
+    bool admissible = true;
+    energy = 0;
+    for (int f = 0; f < surface_.faceCount(); ++f) {
+      const auto p = corners(faces, moved, f);
+      const double s = solidAngle(p[0], p[1], p[2]);
+      bool bad = !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) || s < leastSolidAngle || s > largestSolidAngle;
+      for (int k = 0; k < 3 && !bad; ++k) {
+        const double cosine = p[k].dot(p[(k + 1) % 3]);
+        bad = cosine < leastCosine &&
+              cosine < positions.row(faces(f, k)).dot(positions.row(faces(f, (k + 1) % 3))) - 1e-12;
+      }
+      if (bad) {
+        admissible = false;
+        for (int k = 0; k < 3; ++k) share_[faces(f, k)] *= round < stopping ? 0.6 : 0;
+      } else if (admissible) {
+        energy += faceEnergy(targets_[f], parameters.weights, p);
+      }
+    }
+    if (admissible) return true;
+  }
+  energy = std::numeric_limits<double>::infinity();
+  return false;
+}
+
+}  // namespace sphere_propagation
