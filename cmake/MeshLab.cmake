@@ -47,6 +47,7 @@ if(SPHERE_PROPAGATION_PLUGINS)
     OUTPUT_NAME meshlab-common LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/stub)
 endif()
 
+add_custom_target(plugins) # all of them, without tests and benchmarks
 set(MESHLAB_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
 
 # A plugin build/<preset>/plugins/lib<NAME>.so. Its functions that only the host defines stay undefined until it is loaded.
@@ -54,6 +55,7 @@ function(add_meshlab_plugin NAME)
   add_library(${NAME} MODULE ${ARGN})
   target_link_libraries(${NAME} PRIVATE vcg_ext meshlab_headers compiler_settings)
   add_dependencies(${NAME} meshlab_common_stub)
+  add_dependencies(plugins ${NAME})
   target_compile_definitions(${NAME} PRIVATE QT_PLUGIN)
   # Only Qt's two entry points are visible: other plugins bring their own Eigen and VCG, built with other flags.
   target_link_options(${NAME} PRIVATE

@@ -1,0 +1,354 @@
+# Set-up shared by the scripts in this folder; source it under `set -euo pipefail`.
+#
+#   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
+#   packages_for PURPOSE...        their names: build core plugin volumes benchmarks python pymeshlab pictures lint
+#   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (default 2025.07)
+#   require_python                 sets PYTHON, the interpreter of an environment with requirements.txt installed
+#   build_preset PRESET [TARGET..] configures where needed, builds; needs the two first
+#   plugin_path PRESET             where build_preset puts the plugin
+#
+# All of them are quick when there is nothing to do. Only the cache folder and build/ are written to, beside packages.
+
+project_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cache_dir=${XDG_CACHE_HOME:-$HOME/.cache}/sphere-propagation
+without_volumes=${without_volumes-}
+
+say() { printf '%s\n' "$*" >&2; }
+die() { say "error: $*"; exit 1; }
+
+# Logs go to a file and are shown only when the step fails.
+logged() { # LOG COMMAND...
+  local log=$1; shift
+  mkdir -p "$(dirname "$log")"
+  if ! "$@" >"$log" 2>&1 </dev/null; then
+    tail -n 40 "$log" >&2
+    say "failed: $* (whole log: $log)"
+    return 1
+  fi
+}
+
+# One process at a time fills the cache. Usage: with_lock FUNCTION ARG...
+with_lock() {
+  mkdir -p "$cache_dir"
+  if command -v flock >/dev/null; then exec 9>"$cache_dir/lock"; flock 9; fi
+  "$@"
+  exec 9>&-
+}
+
+# A scratch folder in the cache, so that finished things can be moved into place in one step.
+make_scratch() {
+  mkdir -p "$cache_dir"
+  scratch=$(mktemp -d "$cache_dir/tmp.XXXXXX")
+  trap 'rm -rf "$scratch"' EXIT
+}
+drop_scratch() { rm -rf "$scratch"; trap - EXIT; }
+
+# ---------------------------------------------------------------- packages
+
+packages_for() {
+  local purpose
+  for purpose; do
+    case $purpose in
+      build)      echo g++ cmake ninja-build ca-certificates xz-utils ;;
+      core)       echo libeigen3-dev libnanoflann-dev libboost-dev libgtest-dev ;;
+      plugin)     echo libqt5opengl5-dev libglew-dev ;;
+      volumes)    if has_volumes; then echo libinsighttoolkit5-dev; fi ;;
+      benchmarks) echo libbenchmark-dev ;;
+      python)     if ! have_usable_python; then echo python3-venv; fi ;;
+      pymeshlab)  echo libgl1 libopengl0 ;;
+      pictures)   echo libegl1 ;;
+      lint)       echo clang-format clang-tidy ;;
+      *)          die "packages_for: no purpose '$purpose'" ;;
+    esac
+  done
+}
+
+has_volumes() { [ -z "$without_volumes" ] && [ -f "$project_root/filter_label_volume/CMakeLists.txt" ]; }
+
+is_debian() { command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; }
+
+require_packages() {
+  is_debian || { require_commands_elsewhere; return; }
+  local missing=() package installed
+  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)
+  for package; do
+    grep -qxF "installed $package" <<<"$installed" || missing+=("$package")
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+
+  if [ "$(id -u)" != 0 ]; then
+    say "Packages are missing. An administrator must run:"
+    say "  apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
+    exit 1
+  fi
+  say "Installing packages: ${missing[*]}"
+  local log=$cache_dir/logs/apt.log
+  # Fresh package lists are fetched only when the ones at hand do not do.
+  apt_install "${missing[@]}" >/dev/null 2>&1 && return
+  logged "$log" apt-get -q update || die "apt-get update failed"
+  logged "$log" apt_install "${missing[@]}" || die "could not install ${missing[*]}"
+}
+
+apt_install() {
+  DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends "$@" </dev/null
+}
+
+# Other systems name their packages differently, so only say what is needed.
+say_what_is_needed() {
+  say "This is not Debian or a relative, so nothing is installed for you. What is needed:
+  build     a C++17 compiler, CMake 3.21 or later, Ninja
+  core      Eigen 3.4, nanoflann, Boost (headers of Multiprecision), GoogleTest
+  plugin    Qt 5.15 (Core, Widgets, OpenGL, Xml) and GLEW, both with headers
+  volumes   ITK 5 (or call scripts/build --without-volumes)
+  tests     Python 3.9 to 3.13 with the packages in scripts/requirements.txt; libGL and libOpenGL for PyMeshLab
+  pictures  libEGL
+  headers   fetched with git, or set MESHLAB_SOURCE_DIR to an unpacked MeshLab 2025.07 source tree"
+}
+
+require_commands_elsewhere() {
+  local command missing=
+  for command in c++ cmake ninja python3; do
+    command -v "$command" >/dev/null || missing+=" $command"
+  done
+  if [ -n "$missing" ]; then say_what_is_needed; die "not found:$missing"; fi
+}
+
+# ---------------------------------------------------------------- MeshLab's headers
+
+# What is known of a version: Debian suites that have its source package, upstream's tag with its commit, and what to unpack.
+meshlab_release() {
+  case $1 in
+    2025.07) suites="sid forky"
+             tag=MeshLab-2025.07 commit=dc48b91ae562756a6988048c5d5c7f1d2b687256
+             parts="src/common src/vcglib" submodule=src/vcglib ;;
+    2020.09) suites="bookworm"
+             tag=Meshlab-2020.09 commit=a595226b8b02505afbf9fd4ffbccbd6011046ae6
+             parts="src/common vcglib" submodule=vcglib ;;
+    *) die "MeshLab $1 is not known here: set MESHLAB_SOURCE_DIR to an unpacked source tree of it" ;;
+  esac
+}
+
+known_sha256() {
+  case $1 in
+    meshlab_2025.07~dfsg.orig.tar.xz)  echo d22c98d362f2a284e481af8dbfc272b2222f5b9c67b3cf8bec57d1c3161886f4 ;;
+    meshlab_2020.09+dfsg1.orig.tar.xz) echo d6715352ff65caffdec0292858d4263eb0c3cbbf3b1e5c2e2bab218e3f234630 ;;
+  esac
+}
+
+is_meshlab_source() {
+  [ -f "$1/src/common/ml_document/mesh_document.h" ] || [ -f "$1/src/common/meshmodel.h" ] || return 1
+  [ -f "$1/src/vcglib/vcg/complex/complex.h" ] || [ -f "$1/vcglib/vcg/complex/complex.h" ]
+}
+
+require_headers() {
+  local version=${1:-2025.07}
+  if [ -n "${MESHLAB_SOURCE_DIR-}" ]; then
+    is_meshlab_source "$MESHLAB_SOURCE_DIR" ||
+      die "MESHLAB_SOURCE_DIR=$MESHLAB_SOURCE_DIR is no MeshLab source tree with src/common and vcglib"
+    local found
+    found=$(cat "$MESHLAB_SOURCE_DIR/ML_VERSION" 2>/dev/null || echo "$version")
+    [ "$found" = "$version" ] || say "warning: MESHLAB_SOURCE_DIR holds MeshLab $found, the plugin is for $version"
+  else
+    MESHLAB_SOURCE_DIR=$cache_dir/meshlab-$version
+    [ -d "$MESHLAB_SOURCE_DIR" ] || with_lock fetch_headers "$version"
+  fi
+  export MESHLAB_SOURCE_DIR
+}
+
+fetch_headers() {
+  local version=$1 suites tag commit parts submodule
+  [ ! -d "$MESHLAB_SOURCE_DIR" ] || return 0 # another process was quicker
+  meshlab_release "$version"
+  make_scratch
+  require_tarball "$version" && unpack_headers || clone_headers ||
+    die "Could not get the headers of MeshLab $version. Set MESHLAB_SOURCE_DIR to an unpacked source tree of it."
+  is_meshlab_source "$scratch/headers" || die "MeshLab $version was fetched, but lacks src/common or vcglib"
+  mv -T "$scratch/headers" "$MESHLAB_SOURCE_DIR"
+  drop_scratch
+}
+
+# Sets `tarball` to MeshLab's original source in the cache, fetched as Debian's source package.
+require_tarball() {
+  local version=$1 suite uri
+  for tarball in "$cache_dir/sources/meshlab_$version"[~+.]*tar*; do
+    if [ -f "$tarball" ]; then return 0; fi
+  done
+  local key # Debian's relatives do not have it
+  for key in /usr/share/keyrings/debian-archive-keyring.{gpg,pgp}; do [ ! -f "$key" ] || break; done
+  is_debian && [ -f "$key" ] || return 1
+  for uri in $(archive_uris); do
+    for suite in $suites; do
+      say "Fetching the source package of MeshLab $version ($suite)"
+      if download_tarball "$version" "$uri" "$suite" "$key"; then return 0; fi
+    done
+  done
+  return 1
+}
+
+# Archives that this machine gets Debian's own releases from, in whatever format its sources are written. A third party's
+# archive may be listed too; Debian's signing key sorts it out.
+archive_uris() {
+  local codename
+  codename=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
+  mkdir -p "$scratch/no-lists/partial"
+  apt-get -o Dir::State::lists="$scratch/no-lists" -o Debug::NoLocking=1 --print-uris update 2>/dev/null |
+    sed -nE "s#^'([^']+)/dists/(${codename:-stable}|(old)?stable|testing|unstable|sid)/InRelease'.*#\1#p" |
+    grep -v '^cdrom:' | sort -u || true
+}
+
+download_tarball() { # VERSION URI SUITE KEYRING; all state in the scratch folder, so a plain user can do it
+  local version=$1 package file sum
+  local dir=$scratch/apt log=$cache_dir/logs/source-package.log
+  rm -rf "$dir"; mkdir -p "$dir/lists/partial" "$dir/cache/archives/partial"
+  printf 'deb-src [signed-by=%s] %s %s main\n' "$4" "$2" "$3" >"$dir/sources.list"
+  local apt=(-q -o Dir::Etc::SourceList="$dir/sources.list" -o Dir::Etc::SourceParts=- -o Dir::State::Lists="$dir/lists"
+             -o Dir::Cache="$dir/cache" -o Debug::NoLocking=1 -o APT::Sandbox::User=root -o APT::Default-Release=)
+  logged "$log" apt-get "${apt[@]}" update || { hint_keys "$log"; return 1; }
+  package=$(apt-cache "${apt[@]}" showsrc --only-source meshlab 2>/dev/null |
+    sed -nE "s/^Version: ($version[~+.-].*)/\1/p" | tail -n 1)
+  if [ -z "$package" ]; then say "$3 has no MeshLab $version"; return 1; fi
+  (cd "$dir" && logged "$log" apt-get "${apt[@]}" source --download-only --tar-only "meshlab=$package") || return 1
+  file=$(cd "$dir" && ls meshlab_*.tar.*)
+  sum=$(sha256sum "$dir/$file"); sum=${sum%% *}
+  case $(known_sha256 "$file") in
+    "$sum") ;;
+    "") say "note: $file (sha256 $sum) is not a source known here; using it" ;;
+    *) say "error: $file has the sha256 $sum, not the known one"; return 1 ;;
+  esac
+  mkdir -p "$cache_dir/sources"
+  tarball=$cache_dir/sources/$file
+  mv "$dir/$file" "$tarball"
+}
+
+hint_keys() {
+  if grep -q NO_PUBKEY "$1"; then
+    say "The archive's signing key is newer than this machine's: upgrade the package debian-archive-keyring."
+  fi
+}
+
+unpack_headers() {
+  local part patterns=('*/LICENSE.txt' '*/ML_VERSION')
+  for part in $parts; do patterns+=("*/$part"); done
+  rm -rf "$scratch/headers"; mkdir "$scratch/headers"
+  if ! tar -xf "$tarball" -C "$scratch/headers" --strip-components=1 --wildcards --no-wildcards-match-slash \
+       "${patterns[@]}" 2>"$scratch/tar.log"; then
+    if ! is_meshlab_source "$scratch/headers"; then
+      say "$tarball could not be unpacked: $(tail -n 1 "$scratch/tar.log")"
+      rm -f "$tarball"
+      return 1
+    fi
+  fi
+}
+
+clone_headers() {
+  command -v git >/dev/null || { say "git is needed to fetch MeshLab's headers from its own repository"; return 1; }
+  say "Fetching MeshLab's repository ($tag)"
+  local to=$scratch/headers log=$cache_dir/logs/clone.log found
+  rm -rf "$to"
+  export GIT_TERMINAL_PROMPT=0
+  logged "$log" git clone -q --depth 1 --branch "$tag" https://github.com/cnr-isti-vclab/meshlab "$to" &&
+    logged "$log" git -C "$to" submodule update -q --init --depth 1 "$submodule" || return 1
+  found=$(git -C "$to" rev-parse HEAD)
+  [ "$found" = "$commit" ] || say "note: the tag $tag is $found now, not $commit as it was; using it"
+  rm -rf "$to/.git"
+}
+
+# ---------------------------------------------------------------- Python
+
+# The system's Python first, then whatever is on the path; PyMeshLab has wheels for 3.9 to 3.13.
+python_candidates() {
+  local name
+  for name in /usr/bin/python3 python3 python3.13 python3.12 python3.11 python3.10 python3.9; do
+    if command -v "$name" >/dev/null; then echo "$name"; fi
+  done
+}
+python_version() {
+  "$1" -c 'import sys; v = sys.version_info[:2]; (3, 9) <= v <= (3, 13) or sys.exit(1); print("%d.%d" % v)' 2>/dev/null
+}
+can_make_environments() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
+
+# Sets base_python and python_series where a usable one exists, or one whose environment is complete already.
+have_usable_python() {
+  [ -z "${base_python-}" ] || return 0
+  local candidate
+  for candidate in $(python_candidates); do
+    python_series=$(python_version "$candidate") || continue
+    if environment_is_complete || can_make_environments "$candidate"; then base_python=$candidate; return 0; fi
+  done
+  return 1
+}
+
+environment_is_complete() {
+  local dir=$cache_dir/venv-$python_series
+  cmp -s "$dir/installed.txt" "$project_root/scripts/requirements.txt" && [ -x "$dir/bin/python" ]
+}
+
+require_python() {
+  have_usable_python || die "No Python 3.9 to 3.13 that can make virtual environments was found (PyMeshLab has wheels for these)."
+  environment_is_complete || with_lock make_environment
+  PYTHON=$cache_dir/venv-$python_series/bin/python
+  export PYTHON
+}
+
+make_environment() {
+  ! environment_is_complete || return 0 # another process was quicker
+  local dir=$cache_dir/venv-$python_series wheels=$cache_dir/wheelhouse-$python_series
+  local requirements=$project_root/scripts/requirements.txt log=$cache_dir/logs/pip.log
+  say "Making the Python environment $dir"
+  rm -rf "$dir"
+  logged "$log" "$base_python" -m venv "$dir" || die "could not make the Python environment"
+  # Wheels are kept: not every package index lets pip cache, and the next environment needs no network.
+  if ! cmp -s "$wheels/requirements.txt" "$requirements"; then
+    say "Downloading Python packages (about 330 MB, once)"
+    rm -rf "$wheels.part"; mkdir -p "$wheels.part"
+    logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check download -q --only-binary :all: -r "$requirements" \
+      -d "$wheels.part" $([ ! -d "$wheels" ] || echo --find-links "$wheels") || die "could not download the Python packages"
+    cp "$requirements" "$wheels.part/requirements.txt"
+    rm -rf "$wheels"
+    mv -T "$wheels.part" "$wheels"
+  fi
+  logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check install -q --no-index --find-links "$wheels" -r "$requirements" ||
+    die "could not install the Python packages"
+  # Without libOpenGL, PyMeshLab imports but lacks the plugin that opens PLY files.
+  "$dir/bin/python" -c 'import pymeshlab, sys; sys.exit(pymeshlab.plugin_number() < 58)' ||
+    die "PyMeshLab does not load all its plugins: are libGL.so.1 and libOpenGL.so.0 installed?"
+  cp "$requirements" "$dir/installed.txt"
+}
+
+# ---------------------------------------------------------------- build
+
+meshlab_version_of() { # PRESET: the MeshLab whose headers it needs
+  case $1 in *2020.09) echo 2020.09 ;; *) echo 2025.07 ;; esac
+}
+
+plugin_path() { echo "$project_root/build/$1/plugins/libfilter_sphere_propagation.so"; }
+
+build_preset() {
+  local preset=$1; shift
+  local dir=$project_root/build/$preset
+  local volumes=OFF
+  if has_volumes; then volumes=ON; fi
+  cd "$project_root"
+  if ! is_configured "$dir" "$volumes"; then
+    say "Configuring $preset"
+    # Start afresh: a cache remembers what it found, and where the checkout was.
+    rm -rf "$dir/CMakeCache.txt" "$dir/CMakeFiles"
+    logged "$dir/configure.log" cmake --preset "$preset" -DMESHLAB_SOURCE_DIR="$MESHLAB_SOURCE_DIR" -DSPHERE_PROPAGATION_VOLUMES=$volumes || {
+      is_debian || say_what_is_needed
+      die "CMake could not configure the preset $preset"
+    }
+    echo "$dir $MESHLAB_SOURCE_DIR $volumes" >"$dir/configured-for"
+  fi
+  local target targets=()
+  for target; do targets+=(--target "$target"); done
+  if [ -t 1 ]; then
+    cmake --build "$dir" ${targets[@]+"${targets[@]}"} || die "the build of $preset failed"
+  else
+    logged "$dir/build.log" cmake --build "$dir" ${targets[@]+"${targets[@]}"} || die "the build of $preset failed"
+  fi
+}
+
+is_configured() {
+  [ -f "$1/build.ninja" ] && [ "$1/build.ninja" -nt "$project_root/CMakePresets.json" ] &&
+    [ "$(cat "$1/configured-for" 2>/dev/null)" = "$1 $MESHLAB_SOURCE_DIR $2" ]
+}
