@@ -1,7 +1,7 @@
 #include "vcg_ext/map/map_measures.h"
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "vcg_ext/map/spherical_triangle.h"
 #include "vcg_ext/mesh/surface_geometry.h"

@@ -1,5 +1,6 @@
 #include "vcg_ext/map/texture_copy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -1,10 +1,11 @@
 #include "vcg_ext/mesh/closed_surface.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <numeric>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 namespace sphere_propagation {
@@ -68,10 +69,10 @@ void ClosedSurface::checkElements() const {
     if (!vertices_.row(v).allFinite()) bad.add(v);
   if (bad.count > 0)
     fail(name_, Defect::NonFiniteCoordinate, bad,
-         counted(bad.count, "vertex has a coordinate", "vertices have coordinates") +
-             " that are not finite numbers, the first is vertex " + std::to_string(bad.first),
-         "Remove them with \"Remove vertices/faces with NAN values\" (Selection: \"Conditional Vertex Selection\"), then "
-         "\"Close Holes\".");
+         counted(bad.count, "vertex has", "vertices have") +
+             " coordinates that are not finite numbers, the first is vertex " + std::to_string(bad.first),
+         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then \"Delete Selected "
+         "Vertices\" and \"Close Holes\".");
   for (int f = 0; f < m; ++f)
     if (faces_.row(f).minCoeff() < 0 || faces_.row(f).maxCoeff() >= n) bad.add(f);
   if (bad.count > 0)
