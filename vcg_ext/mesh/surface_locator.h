@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vcg_ext/base/matrices.h"
+#include "vcg_ext/mesh/face_tree.h"
 
 namespace sphere_propagation {
 
@@ -26,7 +27,7 @@ class SurfaceLocator {
   /// vertices: #V by 3, finite; faces: #F by 3, at least one; zero-area faces are fine.
   SurfaceLocator(const Points& vertices, const Triangles& faces);
 
-  /// The point of the mesh closest to x. Of equally close ones the face with the smallest index.
+  /// The point of the mesh closest to x. Of faces at the same (computed) distance the one with the smallest index.
   SurfacePoint closest(const Vector3& x) const;
 
   /// The same among the faces whose unit normal has a dot product >= leastCosine with the unit vector `direction`;
@@ -34,9 +35,8 @@ class SurfaceLocator {
   SurfacePoint closest(const Vector3& x, const Vector3& direction, double leastCosine) const;
 
  private:
-  struct Node;
-  struct Query;
-  std::vector<Node> nodes_;
+  FaceTree tree_;
+  std::vector<Vector3> normals_;  // unit normals in the tree's order; zero for faces without area
 };
 
 }  // namespace sphere_propagation
