@@ -52,4 +52,9 @@ class MapError : public Error {
   long first;  ///< index of the first of them; -1 where none can be named
 };
 
+/// A map cannot be handed from one surface to another: they correspond nowhere.
+class PropagationError : public Error {
+  using Error::Error;
+};
+
 }  // namespace sphere_propagation
