@@ -1,0 +1,128 @@
+#include "vcg_ext/propagation/propagation_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+namespace {
+
+using Arcs = std::set<std::pair<int, int>>;
+
+Arcs arcsOf(const PropagationTree& tree) {
+  Arcs arcs;
+  for (int i = 0; i < tree.size(); ++i)
+    if (tree.parent[i] >= 0) arcs.emplace(tree.parent[i], i);
+  return arcs;
+}
+
+/// Every layer once, the root first, parents before children.
+void expectOrdered(const PropagationTree& tree, int root) {
+  ASSERT_EQ(tree.order.size(), tree.parent.size());
+  EXPECT_EQ(tree.root(), root);
+  EXPECT_EQ(tree.parent[root], -1);
+  std::set<int> done;
+  for (int i : tree.order) {
+    EXPECT_TRUE(i == root || done.count(tree.parent[i])) << "layer " << i << " comes before its parent";
+    EXPECT_TRUE(done.insert(i).second) << "layer " << i << " comes twice";
+  }
+}
+
+std::string messageOf(const std::vector<int>& parents) {
+  try {
+    givenOrder(parents);
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(PropagationTree, TimeOrderIsStepTwoOfThePaper) {
+  const PropagationTree tree = timeOrder(5, 2);
+  EXPECT_EQ(arcsOf(tree), (Arcs{{2, 1}, {1, 0}, {2, 3}, {3, 4}}));
+  expectOrdered(tree, 2);
+  EXPECT_EQ(tree.depths(), (std::vector<int>{2, 1, 0, 1, 2}));
+  EXPECT_EQ(tree.children(), (std::vector<std::vector<int>>{{}, {0}, {1, 3}, {4}, {}}));
+}
+
+TEST(PropagationTree, TimeOrderFromEveryRoot) {
+  for (int layers : {1, 2, 3, 8})
+    for (int root = 0; root < layers; ++root) {
+      const PropagationTree tree = timeOrder(layers, root);
+      expectOrdered(tree, root);
+      Arcs expected;
+      for (int i = 0; i + 1 < layers; ++i)  // the paper's two rules
+        expected.insert(i < root ? std::pair(i + 1, i) : std::pair(i, i + 1));
+      EXPECT_EQ(arcsOf(tree), expected) << layers << " layers, root " << root;
+    }
+}
+
+TEST(PropagationTree, DefaultRootIsHalfTheNumberOfLayers) {
+  EXPECT_EQ(defaultRoot(1), 0);
+  EXPECT_EQ(defaultRoot(2), 1);
+  EXPECT_EQ(defaultRoot(5), 2);
+  EXPECT_EQ(defaultRoot(25), 12);
+  EXPECT_THROW(defaultRoot(0), ParameterError);
+}
+
+TEST(PropagationTree, CyclicOrderGoesBothWaysRound) {
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(5, 0)), (Arcs{{0, 1}, {1, 2}, {0, 4}, {4, 3}}));
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(6, 0)), (Arcs{{0, 1}, {1, 2}, {2, 3}, {0, 5}, {5, 4}}));
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(5, 3)), (Arcs{{3, 4}, {4, 0}, {3, 2}, {2, 1}}));
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(1, 0)), Arcs{});
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(2, 1)), (Arcs{{1, 0}}));
+  EXPECT_EQ(arcsOf(cyclicTimeOrder(3, 1)), (Arcs{{1, 2}, {1, 0}}));
+}
+
+TEST(PropagationTree, NoCyclicChainIsLongerThanHalfTheCycle) {
+  for (int layers : {1, 2, 3, 24, 25})
+    for (int root = 0; root < layers; ++root) {
+      const PropagationTree tree = cyclicTimeOrder(layers, root);
+      expectOrdered(tree, root);
+      const std::vector<int> depths = tree.depths();
+      EXPECT_EQ(*std::max_element(depths.begin(), depths.end()), layers / 2);
+    }
+}
+
+TEST(PropagationTree, StarHangsEveryLayerOnTheRoot) {
+  const PropagationTree tree = star(4, 1);
+  EXPECT_EQ(tree.parent, (std::vector<int>{1, -1, 1, 1}));
+  EXPECT_EQ(tree.depths(), (std::vector<int>{1, 0, 1, 1}));
+  expectOrdered(tree, 1);
+  expectOrdered(star(1, 0), 0);
+}
+
+TEST(PropagationTree, GivenOrderKeepsTheArcsAndSortsParentsFirst) {
+  const std::vector<int> parents{3, 0, 1, 5, 3, -1};
+  const PropagationTree tree = givenOrder(parents);
+  EXPECT_EQ(tree.parent, parents);
+  expectOrdered(tree, 5);
+  EXPECT_EQ(tree.depths(), (std::vector<int>{2, 3, 4, 1, 2, 0}));
+}
+
+TEST(PropagationTree, GivenOrderNamesTheLayerThatIsWrong) {
+  EXPECT_NE(messageOf({1, 2, 0}).find("No layer is marked as the root"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 0, -1}).find("Layer 2"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 7}).find("Layer 1"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 7}).find("layer 7"), std::string::npos);
+  EXPECT_NE(messageOf({-1, -2}).find("Layer 1"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 1}).find("1 <- 1"), std::string::npos);  // its own parent
+  // Layer 1 is behind the circle, not on it.
+  EXPECT_NE(messageOf({-1, 2, 3, 4, 2}).find("2 <- 3 <- 4 <- 2"), std::string::npos) << messageOf({-1, 2, 3, 4, 2});
+  EXPECT_THROW(givenOrder({}), ParameterError);
+}
+
+TEST(PropagationTree, RefusesARootOutOfRange) {
+  EXPECT_THROW(timeOrder(3, 3), ParameterError);
+  EXPECT_THROW(timeOrder(3, -1), ParameterError);
+  EXPECT_THROW(cyclicTimeOrder(0, 0), ParameterError);
+  EXPECT_THROW(star(2, 2), ParameterError);
+}
+
+}  // namespace
+}  // namespace sphere_propagation

@@ -1,0 +1,44 @@
+#pragma once
+/// Who hands the map to whom: step 2 of the paper (the propagation tree), and the other orders on offer.
+///
+/// Layers are numbered from 0 in the order of the list, which is time order where time matters.
+
+#include <vector>
+
+namespace sphere_propagation {
+
+/// A rooted tree over layers. Each arc (parent, layer) is one propagation step.
+struct PropagationTree {
+  std::vector<int> parent;  ///< one entry per layer: the layer its map comes from; -1 for the root
+  std::vector<int> order;   ///< all layers, the root first, parents before their children
+
+  int size() const { return static_cast<int>(parent.size()); }
+  int root() const { return order.front(); }
+  /// The number of arcs between the root and each layer.
+  std::vector<int> depths() const;
+  /// The layers that get their map from each layer, in ascending order.
+  std::vector<std::vector<int>> children() const;
+};
+
+/// The paper's default root, floor(layers / 2), counted from 0. layers >= 1.
+int defaultRoot(int layers);
+
+/// Step 2 of the paper: the arcs (M_{i+1}, M_i) for i < t and (M_i, M_{i+1}) for i >= t, that is, one chain from the
+/// root t back to the first layer and one on to the last.
+/// layers: how many, >= 1; root: 0 .. layers - 1. Throws ParameterError when either is outside its range.
+PropagationTree timeOrder(int layers, int root);
+
+/// The same for layers that form a cycle (a heart beat): from the root on through floor(layers / 2) layers, and back
+/// through the others, so that no chain is longer than half the cycle. Parameters and errors as in timeOrder.
+PropagationTree cyclicTimeOrder(int layers, int root);
+
+/// Every layer gets its map from the root itself. Parameters and errors as in timeOrder.
+PropagationTree star(int layers, int root);
+
+/// The order that the user gives ("the order may also be given", discussion of the paper).
+/// parents: one entry per layer, the number of the layer its map comes from, -1 for the root.
+/// Throws ParameterError, which names the layer and what to do, when there is not exactly one root, when a number is no
+/// layer's, or when layers hand the map round in a circle.
+PropagationTree givenOrder(const std::vector<int>& parents);
+
+}  // namespace sphere_propagation
