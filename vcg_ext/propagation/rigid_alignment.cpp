@@ -1,0 +1,57 @@
+#include "vcg_ext/propagation/rigid_alignment.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+
+Points RigidMotion::applyTo(const Points& points) const {
+  return (points * rotation.transpose()).rowwise() + translation.transpose();
+}
+
+RigidMotion fitRigid(const Points& from, const Points& to) {
+  if (from.rows() == 0 || from.rows() != to.rows())
+    throw ParameterError(
+        "A rigid motion is fitted to as many points as it is to reach, and to at least one; given are " +
+        std::to_string(from.rows()) + " and " + std::to_string(to.rows()) + ".");
+  const Eigen::RowVector3d fromCentroid = from.colwise().mean(), toCentroid = to.colwise().mean();
+  const Eigen::Matrix3d covariance = (to.rowwise() - toCentroid).transpose() * (from.rowwise() - fromCentroid);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // Without a reflection: the direction that matters least is the one turned round.
+  const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  RigidMotion motion;
+  motion.rotation = svd.matrixU() * Vector3(1, 1, handedness).asDiagonal() * svd.matrixV().transpose();
+  motion.translation = toCentroid.transpose() - motion.rotation * fromCentroid.transpose();
+  return motion;
+}
+
+RigidAlignment alignRigidly(const Points& points, const VertexLocator& reference, int iterations) {
+  if (iterations < 0)
+    throw ParameterError("The number of alignment iterations is " + std::to_string(iterations) +
+                         ": it must be 0 or more.");
+  if (points.rows() == 0) throw ParameterError("There is no point to align.");
+  RigidAlignment result;
+  std::vector<int> before;
+  Points targets(points.rows(), 3);
+  while (result.iterations < iterations) {
+    std::vector<int> pairs = reference.nearest(result.motion.applyTo(points), before);
+    if (pairs == before) {
+      result.converged = true;
+      break;
+    }
+    for (size_t v = 0; v < pairs.size(); ++v)
+      targets.row(static_cast<Eigen::Index>(v)) = reference.points().row(pairs[v]);
+    // From where the points began: the motion of all iterations together, without their rounding.
+    result.motion = fitRigid(points, targets);
+    before = std::move(pairs);
+    ++result.iterations;
+  }
+  return result;
+}
+
+}  // namespace sphere_propagation
