@@ -26,8 +26,8 @@ struct Located {
   Vector3 at(const SurfacePoint& p) const { return p.interpolate(surface.faces(), map.positions()); }
 };
 
-/// A map with faces of very different sizes: rings of eight vertices round the north pole, each twice as far from it as the
-/// one before, from `least` to 1 radian, and the south pole. Turned at random.
+/// A map with faces of very different sizes: rings of eight vertices round the north pole, each twice as far from it as
+/// the one before, from `least` to 1 radian, and the south pole. Turned at random.
 Mesh rings(double least) {
   constexpr int sides = 8;
   std::vector<Vector3> vertices{{0, 0, 1}};
@@ -49,7 +49,8 @@ Mesh rings(double least) {
   vertices.emplace_back(0, 0, -1);
   for (int i = 0; i < sides; ++i) faces.emplace_back(south, south - sides + (i + 1) % sides, south - sides + i);
   Mesh mesh{Points(vertices.size(), 3), Triangles(faces.size(), 3)};
-  for (size_t v = 0; v < vertices.size(); ++v) mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v].transpose();
+  for (size_t v = 0; v < vertices.size(); ++v)
+    mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v].transpose();
   for (size_t f = 0; f < faces.size(); ++f) mesh.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
   return transformed(std::move(mesh), randomRotation(5), 1, Vector3::Zero());
 }
@@ -102,7 +103,8 @@ TEST(SphereLocator, AgreesWithBruteForce) {
 
 TEST(SphereLocator, AxesAndDirectionsBesideThem) {
   const double tiny = std::numeric_limits<double>::denorm_min();
-  for (const Mesh& mesh : {octahedron(), icosphereMesh(4), transformed(octahedron(), randomRotation(9), 1, {0, 0, 0})}) {
+  for (const Mesh& mesh :
+       {octahedron(), icosphereMesh(4), transformed(octahedron(), randomRotation(9), 1, {0, 0, 0})}) {
     const Located sphere(mesh);
     for (int axis = 0; axis < 3; ++axis)
       for (const double sign : {-1.0, 1.0})

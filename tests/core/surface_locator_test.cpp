@@ -13,8 +13,8 @@ namespace {
 
 Vector3 corner(const Mesh& mesh, Eigen::Index f, int k) { return mesh.vertices.row(mesh.faces(f, k)).transpose(); }
 
-/// Distance from x to a triangle by its definition, without regions: inside the prism over it the distance to the plane,
-/// else to the nearest side.
+/// Distance from x to a triangle by its definition, without regions: inside the prism over it the distance to the
+/// plane, else to the nearest side.
 double distanceToTriangle(const Vector3& x, const Vector3& a, const Vector3& b, const Vector3& c) {
   const auto toSegment = [&](const Vector3& p, const Vector3& q) {
     const double length = (q - p).squaredNorm();
@@ -90,9 +90,9 @@ TEST(SurfaceLocator, TrianglesWithoutArea) {
   Points vertices(7, 3);
   vertices << 0, 0, 0, 1, 0, 0, 3, 0, 0, 5, 5, 5, 5, 5, 5, 5, 5, 5, 1, 1e-13, 0;
   Triangles faces(1, 3);
-  for (const Eigen::RowVector3i& segment : {Eigen::RowVector3i(0, 1, 2), Eigen::RowVector3i(1, 2, 0),
-                                            Eigen::RowVector3i(2, 0, 1), Eigen::RowVector3i(0, 2, 1),
-                                            Eigen::RowVector3i(0, 0, 2), Eigen::RowVector3i(0, 6, 2)}) {
+  for (const Eigen::RowVector3i& segment :
+       {Eigen::RowVector3i(0, 1, 2), Eigen::RowVector3i(1, 2, 0), Eigen::RowVector3i(2, 0, 1),
+        Eigen::RowVector3i(0, 2, 1), Eigen::RowVector3i(0, 0, 2), Eigen::RowVector3i(0, 6, 2)}) {
     faces << segment;
     const SurfaceLocator locator(vertices, faces);
     const SurfacePoint middle = locator.closest({2, 3, 4}), end = locator.closest({6, 4, 0});

@@ -66,12 +66,12 @@ Mesh icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   Mesh mesh;
   mesh.vertices.resize(12, 3);
-  mesh.vertices << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1, -g,
-      0, -1, -g, 0, 1;
+  mesh.vertices << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1,
+      -g, 0, -1, -g, 0, 1;
   mesh.vertices.rowwise().normalize();
   mesh.faces.resize(20, 3);
-  mesh.faces << 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3, 9, 4,
-      3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1;
+  mesh.faces << 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3, 9,
+      4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1;
   return mesh;
 }
 
@@ -102,7 +102,8 @@ Mesh icosphereMesh(int frequency) {
   }
   Mesh mesh;
   mesh.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (size_t v = 0; v < vertices.size(); ++v) mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v].transpose();
+  for (size_t v = 0; v < vertices.size(); ++v)
+    mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v].transpose();
   mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
   for (size_t f = 0; f < faces.size(); ++f) mesh.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
   return mesh;
@@ -138,8 +139,8 @@ Mesh bipyramid(int sides) {
 
 Mesh withZeroAreaFace() {
   Mesh mesh = octahedron();
-  append(mesh, {0.5, 0.5, 0});         // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone
-  mesh.faces.row(0) << 0, 2, 6;        // no area
+  append(mesh, {0.5, 0.5, 0});   // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone
+  mesh.faces.row(0) << 0, 2, 6;  // no area
   append(mesh, 2, 4, 6);
   append(mesh, 4, 0, 6);
   return mesh;

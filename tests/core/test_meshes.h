@@ -50,17 +50,17 @@ Mesh bipyramid(int sides);
 Mesh withZeroAreaFace();
 
 // Not closed, not manifold, not a sphere, not oriented, or not even a mesh.
-Mesh openCone();               ///< 8 sides, no base: 8 open edges
-Mesh nonManifoldEdge();        ///< two tetrahedra that share the edge (0, 1)
-Mesh nonManifoldVertex();      ///< two tetrahedra that share vertex 0
-Mesh torus();                  ///< 16 x 8, genus 1
-Mesh twoSpheres();             ///< two octahedra, the second begins at vertex 6
-Mesh flippedFace();            ///< icosahedron, face 7 reversed
-Mesh inwardSphere();           ///< icosahedron, all faces reversed
-Mesh withUnreferencedVertex(); ///< icosahedron and vertex 12
-Mesh withNaN();                ///< icosahedron, vertex 5
-Mesh withDegenerateFace();     ///< icosahedron and face 20 = (0, 0, 1)
-Mesh duplicatedVertices();     ///< icosahedron as a soup of 20 faces with three vertices of their own each
+Mesh openCone();                ///< 8 sides, no base: 8 open edges
+Mesh nonManifoldEdge();         ///< two tetrahedra that share the edge (0, 1)
+Mesh nonManifoldVertex();       ///< two tetrahedra that share vertex 0
+Mesh torus();                   ///< 16 x 8, genus 1
+Mesh twoSpheres();              ///< two octahedra, the second begins at vertex 6
+Mesh flippedFace();             ///< icosahedron, face 7 reversed
+Mesh inwardSphere();            ///< icosahedron, all faces reversed
+Mesh withUnreferencedVertex();  ///< icosahedron and vertex 12
+Mesh withNaN();                 ///< icosahedron, vertex 5
+Mesh withDegenerateFace();      ///< icosahedron and face 20 = (0, 0, 1)
+Mesh duplicatedVertices();      ///< icosahedron as a soup of 20 faces with three vertices of their own each
 
 /// The same mesh in another place: rotation, then scale, then translation.
 Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation);

@@ -10,8 +10,9 @@
 namespace sphere_propagation {
 namespace {
 
-// The boxes are larger than the triangles by far more than the rounding of a query (a few 1e-16 on the unit sphere), and
-// by far less than the smallest faces (1e-14 steradian, 1e-7 across): no face that is hit is missed, and few others seen.
+// The boxes are larger than the triangles by far more than the rounding of a query (a few 1e-16 on the unit sphere),
+// and by far less than the smallest faces (1e-14 steradian, 1e-7 across): no face that is hit is missed, and few others
+// seen.
 constexpr double margin = 1e-12;
 
 double determinant(const Vector3& a, const Vector3& b, const Vector3& c) { return a.dot(b.cross(c)); }
@@ -43,7 +44,8 @@ struct RayQuery {
     const FaceTree::Face& triangle = tree.faces()[i];
     const Vector3 a = triangle.corner[0] - p, b = triangle.corner[1] - p, c = triangle.corner[2] - p;
     const Vector3 w(determinant(p, b, c), determinant(p, c, a), determinant(p, a, b));
-    // Relative to the sum of the absolute values, which is positive also where the ray runs along the face or behind it.
+    // Relative to the sum of the absolute values, which is positive also where the ray runs along the face or behind
+    // it.
     const double score = w.minCoeff() / w.lpNorm<1>();
     if (score > best || (score == best && triangle.index < face)) {
       best = score;

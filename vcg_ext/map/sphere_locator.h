@@ -8,7 +8,8 @@
 
 namespace sphere_propagation {
 
-/// Finds the face of a map under any direction. Built once, asked often: about 1 microsecond a query. Copies what it needs.
+/// Finds the face of a map under any direction. Built once, asked often: about 1 microsecond a query. Copies what it
+/// needs.
 ///
 /// The answer is the flat triangle of the face's sphere positions that the ray from the centre pierces. Of a valid map
 /// these triangles enclose the centre without a gap, so every direction has one, be it a pole, a vertex or on an edge.

@@ -10,8 +10,8 @@
 
 namespace sphere_propagation {
 
-/// Built once by median splits, so its depth is logarithmic whatever the mesh is like. The corners are kept in the order
-/// of the leaves, so that a leaf's faces lie side by side in memory.
+/// Built once by median splits, so its depth is logarithmic whatever the mesh is like. The corners are kept in the
+/// order of the leaves, so that a leaf's faces lie side by side in memory.
 class FaceTree {
  public:
   struct Face {
@@ -19,15 +19,15 @@ class FaceTree {
     int index;  ///< in the mesh
   };
 
-  /// vertices: #V by 3, finite; faces: #F by 3, at least one; margin: by how much the boxes are larger than the faces in
-  /// them, on every side (room for the rounding of a query).
+  /// vertices: #V by 3, finite; faces: #F by 3, at least one; margin: by how much the boxes are larger than the faces
+  /// in them, on every side (room for the rounding of a query).
   FaceTree(const Points& vertices, const Triangles& faces, double margin = 0);
 
   /// The faces in the tree's order.
   const std::vector<Face>& faces() const { return faces_; }
 
-  /// Branch and bound. Visits every face but those in boxes whose bound exceeds the query's limit; nearer boxes first, so
-  /// that a limit that shrinks while faces are visited soon excludes most.
+  /// Branch and bound. Visits every face but those in boxes whose bound exceeds the query's limit; nearer boxes first,
+  /// so that a limit that shrinks while faces are visited soon excludes most.
   ///
   /// query.bound(low, high)  the least value that a face inside that box can have
   /// query.limit()           boxes with a greater bound are skipped

@@ -10,9 +10,9 @@ namespace sphere_propagation {
 
 /// A point of a triangle mesh.
 struct SurfacePoint {
-  int face = -1;                       ///< -1: none was found
-  Vector3 weights = Vector3::Zero();   ///< barycentric, of the face's corners in order; none negative, sum 1
-  double distance = 0;                 ///< from the query
+  int face = -1;                      ///< -1: none was found
+  Vector3 weights = Vector3::Zero();  ///< barycentric, of the face's corners in order; none negative, sum 1
+  double distance = 0;                ///< from the query
 
   /// The value of a per-vertex quantity (#V by 3) at this point.
   Vector3 interpolate(const Triangles& faces, const Points& values) const {

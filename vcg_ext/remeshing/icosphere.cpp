@@ -35,7 +35,8 @@ struct Rows {
   }
 };
 
-/// The corners of the icosahedron. Without trigonometric functions, whose last bit differs from one library to the next.
+/// The corners of the icosahedron. Without trigonometric functions, whose last bit differs from one library to the
+/// next.
 struct Corners {
   Vector3 north{0, 0, 1}, south{0, 0, -1};
   std::array<Vector3, 6> upper, lower;  // the sixth is the first again
@@ -44,8 +45,12 @@ struct Corners {
     const double root = std::sqrt(5.0), z = 1 / root, r = 2 / root;
     const double c72 = (root - 1) / 4, s72 = std::sqrt(10 + 2 * root) / 4;
     const double c36 = (root + 1) / 4, s36 = std::sqrt(10 - 2 * root) / 4;
-    upper = {Vector3(r, 0, z),           Vector3(r * c72, r * s72, z),   Vector3(-r * c36, r * s36, z),
-             Vector3(-r * c36, -r * s36, z), Vector3(r * c72, -r * s72, z), Vector3(r, 0, z)};
+    upper = {Vector3(r, 0, z),
+             Vector3(r * c72, r * s72, z),
+             Vector3(-r * c36, r * s36, z),
+             Vector3(-r * c36, -r * s36, z),
+             Vector3(r * c72, -r * s72, z),
+             Vector3(r, 0, z)};
     for (size_t k = 0; k < 6; ++k) lower[k] = -upper[(k + 3) % 5];
   }
 };

@@ -1,0 +1,71 @@
+#include "vcg_ext/remeshing/remeshing.h"
+
+#include <algorithm>
+
+#include "vcg_ext/map/sphere_locator.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/mesh/surface_locator.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Mean of distances weighted by areas, and their maximum.
+class Samples {
+ public:
+  void add(double weight, double distance) {
+    weights_ += weight;
+    sum_ += weight * distance;
+    max_ = std::max(max_, distance);
+  }
+  /// A mesh without any area has no mean of its own; then the maximum stands for it.
+  double mean() const { return weights_ > 0 ? sum_ / weights_ : max_; }
+  double max() const { return max_; }
+
+ private:
+  double weights_ = 0, sum_ = 0, max_ = 0;
+};
+
+/// A third of the area of the faces around each vertex.
+Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces, const Eigen::VectorXd& faceArea) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(vertices.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += faceArea[f] / 3;
+  return areas;
+}
+
+}  // namespace
+
+Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points& directions) {
+  const SphereLocator locator(surface, map);
+  Remeshed result;
+  result.landmarks.resize(directions.rows(), 3);
+  for (Eigen::Index j = 0; j < directions.rows(); ++j)
+    result.landmarks.row(j) =
+        locator.locate(directions.row(j).transpose()).interpolate(surface.faces(), surface.vertices()).transpose();
+  return result;
+}
+
+SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces, const ClosedSurface& surface) {
+  const Eigen::VectorXd area = faceAreas(landmarks, faces);
+  const Eigen::VectorXd landmarkArea = vertexAreas(landmarks, faces, area);
+  const SurfaceLocator onSurface(surface.vertices(), surface.faces());
+  Samples there;
+  for (Eigen::Index j = 0; j < landmarks.rows(); ++j)
+    there.add(landmarkArea[j] / 4, onSurface.closest(landmarks.row(j).transpose()).distance);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Vector3 centroid =
+        (landmarks.row(faces(f, 0)) + landmarks.row(faces(f, 1)) + landmarks.row(faces(f, 2))).transpose() / 3;
+    there.add(area[f] * 3 / 4, onSurface.closest(centroid).distance);
+  }
+
+  const SurfaceLocator onLandmarks(landmarks, faces);
+  const Eigen::VectorXd surfaceArea =
+      vertexAreas(surface.vertices(), surface.faces(), faceAreas(surface.vertices(), surface.faces()));
+  Samples back;
+  for (int v = 0; v < surface.vertexCount(); ++v)
+    back.add(surfaceArea[v], onLandmarks.closest(surface.vertex(v)).distance);
+
+  return {(there.mean() + back.mean()) / 2, std::max(there.max(), back.max())};
+}
+
+}  // namespace sphere_propagation

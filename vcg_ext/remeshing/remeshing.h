@@ -1,0 +1,38 @@
+#pragma once
+/// Resampling of a mapped surface by the icosphere, and how much of the surface that loses.
+/// Step 5 of M. Kirschner and S. Wesarg, Propagation of shape parameterisation for the construction of a statistical
+/// shape model of the left ventricle.
+
+#include "vcg_ext/map/sphere_map.h"
+#include "vcg_ext/mesh/closed_surface.h"
+
+namespace sphere_propagation {
+
+struct Remeshed {
+  Points landmarks;  ///< #D by 3, landmark j on the surface where its map lies under direction j
+};
+
+/// Samples a surface through its map: landmark j is the point of the surface that the map sends to direction j. With
+/// the same directions landmark j means the same place on all surfaces whose maps correspond.
+///
+/// directions: #D by 3, any length but zero; icosphere(f).vertices, whose faces then connect the landmarks.
+/// Throws ParameterError when a direction is zero or not finite.
+Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points& directions);
+
+/// Distances between two meshes, in their unit.
+struct SurfaceDistance {
+  double mean = 0;
+  double max = 0;
+};
+
+/// Distance between a landmark mesh and its source, both ways.
+///
+/// From the landmark mesh to the closest point of the surface: at its vertices and the centroids of its faces, a face
+/// weighing its centroid with 3/4 and its corners with 1/12 of its area each (exact for functions of degree 2). From
+/// the surface to the closest point of the landmark mesh: at its vertices, each weighing a third of the area of its
+/// faces. mean = the average of the two weighted means; max = the largest distance of any sample, either way.
+///
+/// landmarks: #L by 3; faces: #G by 3, at least one.
+SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces, const ClosedSurface& surface);
+
+}  // namespace sphere_propagation
