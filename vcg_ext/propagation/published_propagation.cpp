@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/map/untangling.h"

@@ -1,6 +1,7 @@
 #include "vcg_ext/propagation/residual.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 
 namespace sphere_propagation {
