@@ -2,7 +2,7 @@
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build core plugin volumes benchmarks python pymeshlab pictures lint
-#   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (default 2025.07)
+#   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_python                 sets PYTHON, the interpreter of an environment with requirements.txt installed
 #   build_preset PRESET [TARGET..] configures where needed, builds; needs the two first
 #   plugin_path PRESET             where build_preset puts the plugin
@@ -12,6 +12,7 @@
 project_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cache_dir=${XDG_CACHE_HOME:-$HOME/.cache}/sphere-propagation
 without_volumes=${without_volumes-}
+callers_source_dir=${MESHLAB_SOURCE_DIR-}
 
 say() { printf '%s\n' "$*" >&2; }
 die() { say "error: $*"; exit 1; }
@@ -35,9 +36,9 @@ with_lock() {
   exec 9>&-
 }
 
-# A scratch folder in the cache, so that finished things can be moved into place in one step.
+# A scratch folder in the cache, so that finished things can be moved into place in one step. Call it under the lock.
 make_scratch() {
-  mkdir -p "$cache_dir"
+  rm -rf "$cache_dir"/tmp.* # of runs that were killed
   scratch=$(mktemp -d "$cache_dir/tmp.XXXXXX")
   trap 'rm -rf "$scratch"' EXIT
 }
@@ -142,7 +143,8 @@ is_meshlab_source() {
 
 require_headers() {
   local version=${1:-2025.07}
-  if [ -n "${MESHLAB_SOURCE_DIR-}" ]; then
+  if [ -n "$callers_source_dir" ]; then
+    MESHLAB_SOURCE_DIR=$(realpath -m "$callers_source_dir")
     is_meshlab_source "$MESHLAB_SOURCE_DIR" ||
       die "MESHLAB_SOURCE_DIR=$MESHLAB_SOURCE_DIR is no MeshLab source tree with src/common and vcglib"
     local found
@@ -152,7 +154,6 @@ require_headers() {
     MESHLAB_SOURCE_DIR=$cache_dir/meshlab-$version
     [ -d "$MESHLAB_SOURCE_DIR" ] || with_lock fetch_headers "$version"
   fi
-  export MESHLAB_SOURCE_DIR
 }
 
 fetch_headers() {
@@ -193,7 +194,7 @@ archive_uris() {
   mkdir -p "$scratch/no-lists/partial"
   apt-get -o Dir::State::lists="$scratch/no-lists" -o Debug::NoLocking=1 --print-uris update 2>/dev/null |
     sed -nE "s#^'([^']+)/dists/(${codename:-stable}|(old)?stable|testing|unstable|sid)/InRelease'.*#\1#p" |
-    grep -v '^cdrom:' | sort -u || true
+    awk '!/^cdrom:/ && !seen[$0]++' || true
 }
 
 download_tarball() { # VERSION URI SUITE KEYRING; all state in the scratch folder, so a plain user can do it
@@ -202,11 +203,17 @@ download_tarball() { # VERSION URI SUITE KEYRING; all state in the scratch folde
   rm -rf "$dir"; mkdir -p "$dir/lists/partial" "$dir/cache/archives/partial"
   printf 'deb-src [signed-by=%s] %s %s main\n' "$4" "$2" "$3" >"$dir/sources.list"
   local apt=(-q -o Dir::Etc::SourceList="$dir/sources.list" -o Dir::Etc::SourceParts=- -o Dir::State::Lists="$dir/lists"
-             -o Dir::Cache="$dir/cache" -o Debug::NoLocking=1 -o APT::Sandbox::User=root -o APT::Default-Release=)
-  logged "$log" apt-get "${apt[@]}" update || { hint_keys "$log"; return 1; }
+             -o Dir::Cache="$dir/cache" -o Debug::NoLocking=1 -o APT::Sandbox::User=root
+             -o APT::Default-Release= -o APT::Update::Error-Mode=any)
+  mkdir -p "${log%/*}"
+  if ! apt-get "${apt[@]}" update >"$log" 2>&1; then
+    say "  not to be had: $(grep -E -m 1 '^(E|W|Err):' "$log" || echo "see $log")"
+    if grep -q NO_PUBKEY "$log"; then say "  A newer package debian-archive-keyring brings the missing signing key."; fi
+    return 1
+  fi
   package=$(apt-cache "${apt[@]}" showsrc --only-source meshlab 2>/dev/null |
     sed -nE "s/^Version: ($version[~+.-].*)/\1/p" | tail -n 1)
-  if [ -z "$package" ]; then say "$3 has no MeshLab $version"; return 1; fi
+  if [ -z "$package" ]; then say "  $3 has another version"; return 1; fi
   (cd "$dir" && logged "$log" apt-get "${apt[@]}" source --download-only --tar-only "meshlab=$package") || return 1
   file=$(cd "$dir" && ls meshlab_*.tar.*)
   sum=$(sha256sum "$dir/$file"); sum=${sum%% *}
@@ -218,12 +225,6 @@ download_tarball() { # VERSION URI SUITE KEYRING; all state in the scratch folde
   mkdir -p "$cache_dir/sources"
   tarball=$cache_dir/sources/$file
   mv "$dir/$file" "$tarball"
-}
-
-hint_keys() {
-  if grep -q NO_PUBKEY "$1"; then
-    say "The archive's signing key is newer than this machine's: upgrade the package debian-archive-keyring."
-  fi
 }
 
 unpack_headers() {
@@ -325,27 +326,26 @@ plugin_path() { echo "$project_root/build/$1/plugins/libfilter_sphere_propagatio
 
 build_preset() {
   local preset=$1; shift
-  local dir=$project_root/build/$preset
-  local volumes=OFF
+  local dir=$project_root/build/$preset volumes=OFF target targets=()
   if has_volumes; then volumes=ON; fi
-  cd "$project_root"
+  for target; do targets+=(--target "$target"); done
+
   if ! is_configured "$dir" "$volumes"; then
     say "Configuring $preset"
     # Start afresh: a cache remembers what it found, and where the checkout was.
     rm -rf "$dir/CMakeCache.txt" "$dir/CMakeFiles"
-    logged "$dir/configure.log" cmake --preset "$preset" -DMESHLAB_SOURCE_DIR="$MESHLAB_SOURCE_DIR" -DSPHERE_PROPAGATION_VOLUMES=$volumes || {
+    if ! logged "$dir/configure.log" cmake -S "$project_root" --preset "$preset" \
+         -DMESHLAB_SOURCE_DIR="$MESHLAB_SOURCE_DIR" -DSPHERE_PROPAGATION_VOLUMES=$volumes; then
       is_debian || say_what_is_needed
       die "CMake could not configure the preset $preset"
-    }
+    fi
     echo "$dir $MESHLAB_SOURCE_DIR $volumes" >"$dir/configured-for"
   fi
-  local target targets=()
-  for target; do targets+=(--target "$target"); done
-  if [ -t 1 ]; then
-    cmake --build "$dir" ${targets[@]+"${targets[@]}"} || die "the build of $preset failed"
-  else
-    logged "$dir/build.log" cmake --build "$dir" ${targets[@]+"${targets[@]}"} || die "the build of $preset failed"
-  fi
+
+  # On a terminal Ninja's one line shows that something moves.
+  local build=(cmake --build "$dir" ${targets[@]+"${targets[@]}"})
+  if [ ! -t 1 ]; then build=(logged "$dir/build.log" "${build[@]}"); fi
+  "${build[@]}" || die "the build of $preset failed"
 }
 
 is_configured() {
