@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
-#include <utility>
-#include <vector>
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
@@ -25,35 +23,6 @@ struct Located {
 
   Vector3 at(const SurfacePoint& p) const { return p.interpolate(surface.faces(), map.positions()); }
 };
-
-/// A map with faces of very different sizes: rings of eight vertices round the north pole, each twice as far from it as
-/// the one before, from `least` to 1 radian, and the south pole. Turned at random.
-Mesh rings(double least) {
-  constexpr int sides = 8;
-  std::vector<Vector3> vertices{{0, 0, 1}};
-  std::vector<Eigen::RowVector3i> faces;
-  int ring = 0;
-  for (double colatitude = least; colatitude < 1.5; colatitude *= 2, ++ring)
-    for (int i = 0; i < sides; ++i) {
-      const double longitude = (i + 0.5 * ring) * 2 * 3.14159265358979323846 / sides, s = std::sin(colatitude);
-      vertices.emplace_back(s * std::cos(longitude), s * std::sin(longitude), std::cos(colatitude));
-      const int next = (i + 1) % sides, below = 1 + sides * ring, above = below - sides;
-      if (ring == 0) {
-        faces.emplace_back(0, 1 + i, 1 + next);
-      } else {
-        faces.emplace_back(above + i, below + i, above + next);
-        faces.emplace_back(above + next, below + i, below + next);
-      }
-    }
-  const int south = static_cast<int>(vertices.size());
-  vertices.emplace_back(0, 0, -1);
-  for (int i = 0; i < sides; ++i) faces.emplace_back(south, south - sides + (i + 1) % sides, south - sides + i);
-  Mesh mesh{Points(vertices.size(), 3), Triangles(faces.size(), 3)};
-  for (size_t v = 0; v < vertices.size(); ++v)
-    mesh.vertices.row(static_cast<Eigen::Index>(v)) = vertices[v].transpose();
-  for (size_t f = 0; f < faces.size(); ++f) mesh.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
-  return transformed(std::move(mesh), randomRotation(5), 1, Vector3::Zero());
-}
 
 void expectHit(const Located& sphere, const Vector3& direction, double tolerance = 1e-14) {
   const SurfacePoint found = sphere.locator.locate(direction);
@@ -117,7 +86,7 @@ TEST(SphereLocator, AxesAndDirectionsBesideThem) {
 }
 
 TEST(SphereLocator, TinyAndHugeFaces) {
-  const Mesh mesh = rings(1e-6);
+  const Mesh mesh = transformed(rings(1e-6), randomRotation(5), 1, Vector3::Zero());
   const Certificate certificate = certify(mesh.faces, mesh.vertices);
   ASSERT_TRUE(certificate.valid()) << certificate.reason();
   const Located sphere(mesh);

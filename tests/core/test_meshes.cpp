@@ -137,6 +137,33 @@ Mesh bipyramid(int sides) {
   return mesh;
 }
 
+Mesh rings(double least) {
+  constexpr int sides = 8;
+  int count = 0;
+  for (double colatitude = least; colatitude < 1.5; colatitude *= 2) ++count;
+  const int south = 1 + sides * count;
+  Mesh mesh;
+  mesh.vertices.resize(south + 1, 3);
+  mesh.vertices.row(0) << 0, 0, 1;
+  mesh.vertices.row(south) << 0, 0, -1;
+  for (int ring = 0; ring < count; ++ring)
+    for (int i = 0; i < sides; ++i) {
+      const double colatitude = std::ldexp(least, ring), longitude = (i + 0.5 * ring) * 2 * pi / sides;
+      const double across = std::sin(colatitude);
+      mesh.vertices.row(1 + sides * ring + i) << across * std::cos(longitude), across * std::sin(longitude),
+          std::cos(colatitude);
+      const int next = (i + 1) % sides, below = 1 + sides * ring, above = below - sides;
+      if (ring == 0) {
+        append(mesh, 0, 1 + i, 1 + next);
+      } else {
+        append(mesh, above + i, below + i, above + next);
+        append(mesh, above + next, below + i, below + next);
+      }
+    }
+  for (int i = 0; i < sides; ++i) append(mesh, south, south - sides + (i + 1) % sides, south - sides + i);
+  return mesh;
+}
+
 Mesh withZeroAreaFace() {
   Mesh mesh = octahedron();
   append(mesh, {0.5, 0.5, 0});   // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone

@@ -46,6 +46,9 @@ Mesh ellipsoid(double a, double b, double c, int frequency = 8);
 Mesh noisyEllipsoid(unsigned seed);
 /// Two apexes (vertices 0 and 1, at +z and -z) over an equator of `sides` vertices.
 Mesh bipyramid(int sides);
+/// On the unit sphere, with faces of very different sizes: rings of eight vertices round the north pole, each twice as
+/// far from it as the one before, from `least` radian to about 1, and the south pole. Vertex 0 is the north pole.
+Mesh rings(double least);
 /// An octahedron with an additional vertex at the middle of an edge, inside a face that so loses a zero-area part.
 Mesh withZeroAreaFace();
 

@@ -1,12 +1,13 @@
 // Orientation of a spherical triangle: the sign of det(a, b, c), decided by a floating-point filter in the manner of
-// J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, with rational
-// arithmetic (Boost.Multiprecision) where the filter cannot tell.
-// Solid angle: A. van Oosterom and J. Strackee, The solid angle of a plane triangle, 1983.
+// J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, with
+// rational arithmetic (Boost.Multiprecision) where the filter cannot tell. Solid angle: A. van Oosterom and J.
+// Strackee, The solid angle of a plane triangle, 1983.
 
 #include "vcg_ext/map/certificate.h"
 
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace sphere_propagation {
@@ -15,14 +16,15 @@ namespace {
 int exactSign(const double* a, const double* b, const double* c) {
   using Rational = boost::multiprecision::cpp_rational;
   const Rational bx(b[0]), by(b[1]), bz(b[2]), cx(c[0]), cy(c[1]), cz(c[2]);
-  const Rational det =
-      Rational(a[0]) * (by * cz - bz * cy) + Rational(a[1]) * (bz * cx - bx * cz) + Rational(a[2]) * (bx * cy - by * cx);
+  const Rational det = Rational(a[0]) * (by * cz - bz * cy) + Rational(a[1]) * (bz * cx - bx * cz) +
+                       Rational(a[2]) * (bx * cy - by * cx);
   return det.sign();
 }
 
 /// Sign of det(a, b, c), and its value in floating point.
 int orientation(const double* a, const double* b, const double* c, double& det) {
-  const double x1 = b[1] * c[2], x2 = b[2] * c[1], y1 = b[2] * c[0], y2 = b[0] * c[2], z1 = b[0] * c[1], z2 = b[1] * c[0];
+  const double x1 = b[1] * c[2], x2 = b[2] * c[1], y1 = b[2] * c[0], y2 = b[0] * c[2], z1 = b[0] * c[1],
+               z2 = b[1] * c[0];
   det = a[0] * (x1 - x2) + a[1] * (y1 - y2) + a[2] * (z1 - z2);
   const double permanent = std::fabs(a[0]) * (std::fabs(x1) + std::fabs(x2)) +
                            std::fabs(a[1]) * (std::fabs(y1) + std::fabs(y2)) +
@@ -44,9 +46,7 @@ bool onSphere(const double* p) {
 
 }  // namespace
 
-bool Certificate::valid() const {
-  return notOnSphere == 0 && flippedFaces == 0 && std::fabs(degree - 1) < 1e-3;
-}
+bool Certificate::valid() const { return notOnSphere == 0 && flippedFaces == 0 && std::fabs(degree - 1) < 1e-3; }
 
 std::string Certificate::reason() const {
   std::ostringstream text;
@@ -54,8 +54,8 @@ std::string Certificate::reason() const {
     text << notOnSphere << (notOnSphere == 1 ? " vertex does" : " vertices do")
          << " not lie on the unit sphere, the first is vertex " << firstNotOnSphere;
   else if (flippedFaces > 0)
-    text << flippedFaces << (flippedFaces == 1 ? " face is" : " faces are") << " flipped on the sphere, the first is face "
-         << firstFlippedFace;
+    text << flippedFaces << (flippedFaces == 1 ? " face is" : " faces are")
+         << " flipped on the sphere, the first is face " << firstFlippedFace;
   else if (!valid())
     text << "it covers the sphere " << std::lround(degree) << " times instead of once";
   return text.str();
@@ -72,10 +72,16 @@ Certificate certify(const Triangles& faces, const Points& positions) {
     bool positive = onSphere(a) && onSphere(b) && onSphere(c);
     if (positive) {
       double det = 0;
-      positive = orientation(a, b, c, det) > 0;
-      // The determinant from differences: det(a, b, c) = det(a, b - a, c - a), without the cancellation for small faces.
+      const int sign = orientation(a, b, c, det);
+      positive = sign > 0;
+      // The determinant from differences: det(a, b, c) = det(a, b - a, c - a), without the cancellation for small
+      // faces.
       const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, g[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-      det = a[0] * (e[1] * g[2] - e[2] * g[1]) + a[1] * (e[2] * g[0] - e[0] * g[2]) + a[2] * (e[0] * g[1] - e[1] * g[0]);
+      det =
+          a[0] * (e[1] * g[2] - e[2] * g[1]) + a[1] * (e[2] * g[0] - e[0] * g[2]) + a[2] * (e[0] * g[1] - e[1] * g[0]);
+      // Where rounding gets its sign wrong, the exact one decides: between a hemisphere and its complement, for
+      // example.
+      if ((det > 0) - (det < 0) != sign) det = sign * std::numeric_limits<double>::denorm_min();
       const double solidAngle = 2 * std::atan2(det, 1 + dot(a, b) + dot(b, c) + dot(c, a));
       sum += solidAngle;
       positive = positive && solidAngle >= Certificate::leastSolidAngle;

@@ -1,0 +1,181 @@
+#include "vcg_ext/mesh/closed_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "tests/core/test_meshes.h"
+
+namespace sphere_propagation::test {
+namespace {
+
+using Defect = SurfaceError::Defect;
+
+/// The error that a mesh causes; fails the test if there is none.
+SurfaceError errorOf(const Mesh& mesh) {
+  try {
+    const ClosedSurface surface(mesh.vertices, mesh.faces, "systole 7");
+  } catch (const SurfaceError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "the mesh was accepted";
+  return {Defect::Empty, -2, -2, ""};
+}
+
+/// remedy: the MeshLab filter that the text must name; empty where none helps.
+void expectDefect(const Mesh& mesh, Defect defect, long count, long first, const std::string& remedy) {
+  const SurfaceError error = errorOf(mesh);
+  const std::string text = error.what();
+  EXPECT_EQ(error.defect, defect) << text;
+  EXPECT_EQ(error.count, count) << text;
+  EXPECT_EQ(error.first, first) << text;
+  EXPECT_NE(text.find("Layer \"systole 7\""), std::string::npos) << text;
+  if (!remedy.empty()) {
+    EXPECT_NE(text.find("\"" + remedy + "\""), std::string::npos) << text;
+  }
+  const bool ofTheWhole = count <= 0 || first < 0 || defect == Defect::InwardOrientation ||
+                          defect == Defect::ZeroArea || defect == Defect::TooFewVertices;
+  if (!ofTheWhole) {
+    EXPECT_NE(text.find(" " + std::to_string(first)), std::string::npos) << text;
+  }
+}
+
+TEST(ClosedSurface, EveryDefectHasItsError) {
+  expectDefect({Points(0, 3), Triangles(0, 3)}, Defect::Empty, 0, -1, "");
+  expectDefect({octahedron().vertices, Triangles(0, 3)}, Defect::Empty, 0, -1, "");
+  expectDefect({octahedron().vertices.topRows(3), Triangles{{0, 1, 2}, {0, 2, 1}}}, Defect::TooFewVertices, 3, 0, "");
+  expectDefect(withNaN(), Defect::NonFiniteCoordinate, 1, 5, "Conditional Vertex Selection");
+  expectDefect(withDegenerateFace(), Defect::DegenerateFace, 1, 20, "Remove Zero Area Faces");
+  expectDefect(nonManifoldEdge(), Defect::NonManifoldEdge, 1, 0, "Repair non Manifold Edges");
+  expectDefect(openCone(), Defect::NotClosed, 8, 0, "Close Holes");
+  expectDefect(flippedFace(), Defect::InconsistentOrientation, 3, 4, "Re-Orient all faces coherently");
+  expectDefect(withUnreferencedVertex(), Defect::UnreferencedVertex, 1, 12, "Remove Unreferenced Vertices");
+  expectDefect(nonManifoldVertex(), Defect::NonManifoldVertex, 1, 0, "Repair non Manifold Vertices by splitting");
+  expectDefect(twoSpheres(), Defect::SeveralParts, 2, 6, "Remove Isolated pieces (wrt Face Num.)");
+  expectDefect(torus(), Defect::Handles, 1, -1, "Surface Reconstruction: Screened Poisson");
+  expectDefect(inwardSphere(), Defect::InwardOrientation, 20, 0, "Invert Faces Orientation");
+}
+
+TEST(ClosedSurface, SeveralOfOneDefect) {
+  Mesh mesh = icosahedron();
+  mesh.vertices(9, 0) = std::numeric_limits<double>::infinity();
+  mesh.vertices(3, 2) = -std::numeric_limits<double>::quiet_NaN();
+  expectDefect(mesh, Defect::NonFiniteCoordinate, 2, 3, "Conditional Vertex Selection");
+
+  mesh = icosahedron();
+  mesh.faces(11, 1) = 12;
+  mesh.faces(15, 2) = -1;
+  expectDefect(mesh, Defect::IndexOutOfRange, 2, 11, "");
+
+  mesh = icosahedron();  // a face twice: three faces at each of its edges
+  mesh.faces.conservativeResize(21, 3);
+  mesh.faces.row(20) = mesh.faces.row(4);
+  EXPECT_EQ(errorOf(mesh).defect, Defect::NonManifoldEdge);
+  EXPECT_EQ(errorOf(mesh).count, 3);
+
+  mesh = icosahedron();
+  mesh.vertices.setConstant(3.5);
+  expectDefect(mesh, Defect::ZeroArea, 20, 0, "");
+
+  mesh = icosahedron();  // a hole of one face
+  mesh.faces = Triangles(mesh.faces.topRows(19));
+  EXPECT_EQ(errorOf(mesh).defect, Defect::NotClosed);
+  EXPECT_EQ(errorOf(mesh).count, 3);
+}
+
+TEST(ClosedSurface, FaceSoupIsToldFromAHole) {
+  const SurfaceError error = errorOf(duplicatedVertices());
+  EXPECT_EQ(error.defect, Defect::NotClosed);
+  EXPECT_EQ(error.count, 60);
+  EXPECT_NE(std::string(error.what()).find("48 vertices"), std::string::npos) << error.what();
+  EXPECT_NE(std::string(error.what()).find("\"Remove Duplicate Vertices\""), std::string::npos) << error.what();
+  EXPECT_EQ(std::string(errorOf(openCone()).what()).find("Duplicate"), std::string::npos);
+}
+
+TEST(ClosedSurface, GenusIsCounted) {
+  // Two tori that share a face's place: cut one face from each and join the holes.
+  const Mesh one = torus();
+  const int n = static_cast<int>(one.vertices.rows()), m = static_cast<int>(one.faces.rows());
+  Mesh two;
+  two.vertices.resize(2 * n, 3);
+  two.vertices << one.vertices, (one.vertices.rowwise() + Eigen::RowVector3d(9, 0, 0));
+  two.faces.resize(2 * m - 2 + 6, 3);
+  two.faces << one.faces.topRows(m - 1), (one.faces.topRows(m - 1).array() + n).matrix(), Triangles::Zero(6, 3);
+  for (int k = 0; k < 3; ++k) {  // the two holes face each other when one runs the other way
+    const int a = one.faces(m - 1, k), b = one.faces(m - 1, (k + 1) % 3);
+    const int c = n + one.faces(m - 1, (3 - k) % 3), d = n + one.faces(m - 1, (5 - k) % 3);
+    two.faces.row(2 * m - 2 + 2 * k) << a, b, c;
+    two.faces.row(2 * m - 2 + 2 * k + 1) << b, d, c;
+  }
+  const SurfaceError error = errorOf(two);
+  EXPECT_EQ(error.defect, Defect::Handles) << error.what();
+  EXPECT_EQ(error.count, 2);
+}
+
+TEST(ClosedSurface, Accepted) {
+  for (const Mesh& mesh : {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(5), noisyEllipsoid(1),
+                           bipyramid(3), bipyramid(50), withZeroAreaFace(), rings(1e-6)})
+    EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces));
+}
+
+TEST(ClosedSurface, AnyScaleAndFlattened) {
+  for (const double scale : {1e-30, 1e-3, 1e30}) {
+    Mesh mesh = ellipsoid(3, 2, 1, 3);
+    mesh.vertices *= scale;
+    EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces)) << scale;
+    for (int f = 0; f < mesh.faces.rows(); ++f) std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
+    EXPECT_EQ(errorOf(mesh).defect, Defect::InwardOrientation) << scale;
+    mesh.vertices.col(2).setZero();
+    EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces)) << "flat, " << scale;
+  }
+  Mesh far = ellipsoid(3, 2, 1, 3);  // a thousandth of a millimetre, a kilometre away
+  far.vertices = ((far.vertices * 1e-3).rowwise() + Eigen::RowVector3d(1e6, 1e6, 1e6)).eval();
+  EXPECT_NO_THROW(ClosedSurface(far.vertices, far.faces));
+}
+
+TEST(ClosedSurface, TwinsAreInvolutions) {
+  for (const Mesh& mesh : {tetrahedron(), noisyEllipsoid(2), withZeroAreaFace()}) {
+    const ClosedSurface surface(mesh.vertices, mesh.faces);
+    for (int h = 0; h < 3 * surface.faceCount(); ++h) {
+      const int t = surface.twin(h);
+      EXPECT_NE(t, h);
+      EXPECT_EQ(surface.twin(t), h);
+      EXPECT_EQ(surface.origin(t), surface.target(h));
+      EXPECT_EQ(surface.target(t), surface.origin(h));
+      EXPECT_EQ(ClosedSurface::previous(ClosedSurface::next(h)), h);
+      EXPECT_EQ(ClosedSurface::next(h) / 3, h / 3);
+    }
+    EXPECT_EQ(surface.vertexCount() - 3 * surface.faceCount() / 2 + surface.faceCount(), 2);
+  }
+}
+
+TEST(ClosedSurface, RingsAreCounterClockwiseAndComplete) {
+  for (const Mesh& mesh : {tetrahedron(), octahedron(), icosphereMesh(4), noisyEllipsoid(3), bipyramid(9)}) {
+    const ClosedSurface surface(mesh.vertices, mesh.faces);
+    std::vector<std::set<int>> neighbours(static_cast<size_t>(surface.vertexCount()));
+    for (int f = 0; f < surface.faceCount(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        neighbours[static_cast<size_t>(mesh.faces(f, k))].insert(mesh.faces(f, (k + 1) % 3));
+        neighbours[static_cast<size_t>(mesh.faces(f, k))].insert(mesh.faces(f, (k + 2) % 3));
+      }
+    for (int v = 0; v < surface.vertexCount(); ++v) {
+      const IndexRange ring = surface.ring(v), outgoing = surface.outgoing(v);
+      ASSERT_EQ(ring.size(), outgoing.size());
+      const std::set<int> found(ring.begin(), ring.end());
+      EXPECT_EQ(found, neighbours[static_cast<size_t>(v)]);
+      EXPECT_EQ(static_cast<int>(found.size()), ring.size());  // none twice
+      for (int i = 0; i < ring.size(); ++i) {
+        const int h = outgoing[i], next = ring[(i + 1) % ring.size()];
+        EXPECT_EQ(surface.origin(h), v);
+        EXPECT_EQ(surface.target(h), ring[i]);
+        EXPECT_EQ(surface.target(ClosedSurface::next(h)), next);  // face (v, ring[i], ring[i + 1]) as it is stored
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sphere_propagation::test
