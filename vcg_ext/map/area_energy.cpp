@@ -13,7 +13,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double leastArea = 1e-5;          // of the mean face area
-constexpr double largestSolidAngle = 6.0;   // of a face; a hemisphere has 2 pi
 /// The mesh's cotangents are blended with an equilateral triangle's: slivers of the mesh need not be slivers on the sphere.
 constexpr double equilateralShare = 0.1;
 constexpr double equilateralCotangent = 0.57735026918962576;
@@ -52,9 +51,8 @@ std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& fac
   return targets;
 }
 
-double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, const std::array<Vector3, 3>& p) {
-  const double s = solidAngle(p[0], p[1], p[2]);
-  if (!(s > 0) || s > largestSolidAngle) return std::numeric_limits<double>::infinity();
+double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s, const std::array<Vector3, 3>& p) {
+  if (!(s > 0)) return std::numeric_limits<double>::infinity();
   const double r = std::log(s / target.area);
   return target.weight * (weights.area * r * r + weights.shape * dirichlet(target, p) / (2 * s));
 }

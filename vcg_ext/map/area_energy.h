@@ -48,9 +48,8 @@ struct FaceExpansion {
 /// of the mean count as that large, so that a face without area keeps a place on the sphere.
 std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& faces);
 
-/// Energy of a face with its corners at unit vectors p; infinity when it is not admissible (not positive, or nearly a
-/// hemisphere).
-double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, const std::array<Vector3, 3>& p);
+/// Energy of a face with its corners at unit vectors p, between which it has the solid angle s; infinity unless s > 0.
+double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s, const std::array<Vector3, 3>& p);
 
 /// The same with first and second derivatives. frame[k]: the two tangents at corner k.
 FaceExpansion expandFaceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights,

@@ -53,12 +53,15 @@ AreaMinimiser::AreaMinimiser(const ClosedSurface& surface, std::vector<FaceTarge
   solidAngle_.resize(targets_.size());
   share_.resize(n);
   trial_.resize(surface.vertexCount(), 3);
+  best_.resize(surface.vertexCount(), 3);
 }
 
 double AreaMinimiser::energy(const AreaEnergyWeights& weights, const Points& positions) const {
   double sum = 0;
-  for (int f = 0; f < surface_.faceCount(); ++f)
-    sum += faceEnergy(targets_[f], weights, corners(surface_.faces(), positions, f));
+  for (int f = 0; f < surface_.faceCount(); ++f) {
+    const auto p = corners(surface_.faces(), positions, f);
+    sum += faceEnergy(targets_[f], weights, solidAngle(p[0], p[1], p[2]), p);
+  }
   return sum;
 }
 
@@ -67,17 +70,19 @@ double AreaMinimiser::step(const AreaStepParameters& parameters, Points& positio
   if (!std::isfinite(before)) return 1;
   assemble(parameters, positions);
   solve(parameters);
-  std::fill(share_.begin(), share_.end(), 1.0);
   constexpr int halvings = 14;
-  for (int i = 0; i < halvings; ++i) {
-    double after = 0;
-    if (limitStep(parameters, positions, trial_, after) && after < before) {
-      positions.swap(trial_);
-      return after / before;
+  double least = before, length = 1;
+  for (int i = 0; i < halvings; ++i, length /= 2) {
+    const double after = take(length, parameters, positions);
+    if (after < least) {
+      least = after;
+      best_.swap(trial_);
+    } else if (least < before) {
+      break;  // shorter steps were better so far, this one is not
     }
-    for (double& share : share_) share *= 0.5;
   }
-  return 1;
+  if (least < before) positions.swap(best_);
+  return least / before;
 }
 
 void AreaMinimiser::assemble(const AreaStepParameters& parameters, const Points& positions) {
@@ -154,21 +159,22 @@ void AreaMinimiser::solve(const AreaStepParameters& parameters) {
   }
 }
 
-bool AreaMinimiser::limitStep(const AreaStepParameters& parameters, const Points& positions, Points& moved,
-                              double& energy) {
+/// Moves all vertices by `length` of the step into trial_, less where a face would degenerate; returns the energy there.
+double AreaMinimiser::take(double length, const AreaStepParameters& parameters, const Points& positions) {
   const Triangles& faces = surface_.faces();
+  std::fill(share_.begin(), share_.end(), length);
   constexpr int rounds = 30, stopping = 20;  // after `stopping` rounds the vertices of a bad face stay where they are
   for (int round = 0; round < rounds; ++round) {
     for (int v = 0; v < surface_.vertexCount(); ++v) {
       Vector3 p = positions.row(v).transpose();
       if (share_[v] > 0)
         p = (p + share_[v] * (step_[v][0] * frame_[v][0] + step_[v][1] * frame_[v][1])).normalized();
-      moved.row(v) = p.transpose();
+      trial_.row(v) = p.transpose();
     }
     bool admissible = true;
-    energy = 0;
+    double energy = 0;
     for (int f = 0; f < surface_.faceCount(); ++f) {
-      const auto p = corners(faces, moved, f);
+      const auto p = corners(faces, trial_, f);
       const double s = solidAngle(p[0], p[1], p[2]);
       bool bad = !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) || s < leastSolidAngle || s > largestSolidAngle;
       for (int k = 0; k < 3 && !bad; ++k) {
@@ -180,13 +186,12 @@ bool AreaMinimiser::limitStep(const AreaStepParameters& parameters, const Points
         admissible = false;
         for (int k = 0; k < 3; ++k) share_[faces(f, k)] *= round < stopping ? 0.6 : 0;
       } else if (admissible) {
-        energy += faceEnergy(targets_[f], parameters.weights, p);
+        energy += faceEnergy(targets_[f], parameters.weights, s, p);
       }
     }
-    if (admissible) return true;
+    if (admissible) return energy;
   }
-  energy = std::numeric_limits<double>::infinity();
-  return false;
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace sphere_propagation

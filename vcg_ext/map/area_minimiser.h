@@ -27,9 +27,11 @@ class AreaMinimiser {
   /// Energy of the positions (#V by 3 unit vectors); infinity when a face is not admissible.
   double energy(const AreaEnergyWeights& weights, const Points& positions) const;
 
-  /// One step: solves the regularised Gauss-Newton system by conjugate gradients with a block-Jacobi preconditioner,
-  /// shortens the step where a face would degenerate (there only) and as a whole until the energy falls. Admissible positions
-  /// stay admissible: solid angles above 1e-14 and below 6, no edge growing beyond arccos(-0.9).
+  /// One step: solves the regularised Gauss-Newton system by conjugate gradients with a block-Jacobi preconditioner, tries
+  /// lengths 1, 1/2, 1/4 ... of the step, each shortened locally where a face would degenerate, and takes the one that lowers
+  /// the energy most. (The first that lowers it at all is a poor choice: far from the solution a long step is held up by
+  /// the faces that it would flip.) Admissible positions stay admissible: solid angles above 1e-14 and below 6, no edge growing
+  /// beyond arccos(-0.9).
   /// Returns the ratio of the energy after the step to that before; 1 when no step lowers it (positions unchanged).
   double step(const AreaStepParameters& parameters, Points& positions);
 
@@ -37,7 +39,7 @@ class AreaMinimiser {
   void assemble(const AreaStepParameters& parameters, const Points& positions);
   void solve(const AreaStepParameters& parameters);
   void multiply(const std::vector<Tangent>& x, std::vector<Tangent>& y) const;
-  bool limitStep(const AreaStepParameters& parameters, const Points& positions, Points& moved, double& energy);
+  double take(double length, const AreaStepParameters& parameters, const Points& positions);
 
   const ClosedSurface& surface_;
   std::vector<FaceTarget> targets_;
@@ -46,7 +48,7 @@ class AreaMinimiser {
   std::vector<TangentBlock> diagonal_, offDiagonal_, preconditioner_;
   std::vector<Tangent> gradient_, step_, residual_, search_, image_, scaled_;
   std::vector<double> solidAngle_, share_;
-  Points trial_;
+  Points trial_, best_;
 };
 
 }  // namespace sphere_propagation
