@@ -1,0 +1,56 @@
+#pragma once
+/// What a filter is, in no host's words. A filter reads layers and parameters, calls vcg_ext, and says what to change; it
+/// never touches the document itself.
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "host/changes.h"
+#include "host/layers.h"
+#include "host/parameter.h"
+#include "vcg_ext/base/progress.h"
+
+namespace sphere_propagation::host {
+
+/// Where MeshLab's menu shows a filter; several at once.
+enum class Menu { Remeshing = 1, Layer = 2, Measure = 4, MeshCreation = 8 };
+inline int operator|(Menu a, Menu b) { return static_cast<int>(a) | static_cast<int>(b); }
+
+/// How many layers a filter works on.
+enum class Arity { None, CurrentLayer, VisibleLayers };
+
+struct FilterDescription {
+  std::string name;        ///< the menu entry
+  std::string pythonName;  ///< its name in PyMeshLab
+  std::string info;        ///< HTML
+  int menus = 0;           ///< Menu values, or-ed
+  Arity arity = Arity::CurrentLayer;
+};
+
+/// What a filter returns to scripts.
+using Outputs = std::map<std::string, std::variant<int, double, bool, Eigen::VectorXd>>;
+
+/// One run of a filter.
+struct Task {
+  const Layers& layers;
+  const ParameterValues& values;
+  Changes& changes;
+  std::function<void(const std::string&)> log;  ///< a line of MeshLab's log
+  Progress progress;
+};
+
+class Filter {
+ public:
+  virtual ~Filter() = default;
+  virtual FilterDescription describe() const = 0;
+  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube: quick, assumes nothing.
+  virtual std::vector<Parameter> parameters(const Layers& layers) const = 0;
+  /// Throws Error (vcg_ext/base/error.h) with a text for the user.
+  virtual Outputs run(Task& task) const = 0;
+};
+
+}  // namespace sphere_propagation::host

@@ -1,0 +1,154 @@
+#include "host/layers.h"
+
+#include <common/ml_document/mesh_document.h>
+
+#include <QRegularExpression>
+#include <cmath>
+
+#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/map/sphere_coordinates.h"
+#include "vcg_ext/remeshing/icosphere.h"
+
+namespace sphere_propagation::host {
+namespace {
+
+using Allocator = vcg::tri::Allocator<CMeshO>;
+
+/// Faces of a mesh without deleted elements; empty when there are deleted ones, which no layer of ours has.
+Triangles compactFaces(const CMeshO& mesh) {
+  if (static_cast<size_t>(mesh.fn) != mesh.face.size() || static_cast<size_t>(mesh.vn) != mesh.vert.size()) return {};
+  Triangles faces(mesh.fn, 3);
+  for (int f = 0; f < mesh.fn; ++f)
+    for (int k = 0; k < 3; ++k) faces(f, k) = static_cast<int>(mesh.face[f].cV(k) - mesh.vert.data());
+  return faces;
+}
+
+bool isIcosphere(const CMeshO& mesh) {
+  // Counts first: 10 f^2 + 2 vertices, 20 f^2 faces.
+  if (mesh.vn < 12 || mesh.fn != 2 * mesh.vn - 4 || (mesh.vn - 2) % 10 != 0) return false;
+  return icosphereFrequency(mesh.vn, compactFaces(mesh)).has_value();
+}
+
+bool isUnitSphere(const CMeshO& mesh) {
+  if (mesh.fn == 0) return false;
+  for (const CVertexO& v : mesh.vert)
+    if (!v.IsD() && !(std::fabs(v.cP().Norm() - 1) <= Certificate::unitTolerance)) return false;
+  return true;
+}
+
+bool isModelName(const std::string& label) {
+  static const QRegularExpression pattern("^(mean shape|mode \\d+ [+-]\\S+ sd)( ?\\(\\d+\\))?$");
+  return pattern.match(QString::fromStdString(label)).hasMatch();
+}
+
+}  // namespace
+
+int Layer::id() const { return mesh_->id(); }
+std::string Layer::label() const { return mesh_->label().toStdString(); }
+std::string Layer::derivedLabel(const std::string& suffix) const {
+  static const QRegularExpression ending("\\.(ply|obj|stl|off|wrl|x3d|vtk|gltf|glb|dae|3ds|ctm)$",
+                                         QRegularExpression::CaseInsensitiveOption);
+  return mesh_->label().remove(ending).toStdString() + " " + suffix;
+}
+bool Layer::visible() const { return mesh_->isVisible(); }
+
+LayerKind Layer::kind() const {
+  if (isModelName(label())) return LayerKind::Model;
+  if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
+  if (isIcosphere(mesh_->cm)) return LayerKind::Landmarks;
+  return LayerKind::Surface;
+}
+
+MeshSurface Layer::surface() const { return surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label()); }
+
+std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
+  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute);
+  if (!Allocator::IsValidHandle(mesh_->cm, handle)) return std::nullopt;
+  Points positions(surface.surface.vertexCount(), 3);
+  for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
+    const Point3m& p = handle[static_cast<size_t>(surface.meshVertex[v])];
+    positions.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+  }
+  return positions;
+}
+
+std::optional<Points> Layer::texturePositions(const MeshSurface& surface) const {
+  if (!mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD)) return std::nullopt;
+  Points positions(surface.surface.vertexCount(), 3);
+  for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
+    const auto& t = mesh_->cm.vert[static_cast<size_t>(surface.meshVertex[v])].cT();
+    positions.row(static_cast<Eigen::Index>(v)) =
+        spherePosition({static_cast<double>(t.U()), static_cast<double>(t.V())}).transpose();
+  }
+  return positions;
+}
+
+std::optional<Points> Layer::storedPositions(const MeshSurface& surface) const {
+  if (auto positions = attributePositions(surface)) return positions;
+  return texturePositions(surface);
+}
+
+std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
+  for (auto& positions : {attributePositions(surface), texturePositions(surface)})
+    if (positions && certify(surface.surface.faces(), *positions).valid()) return SphereMap(surface.surface, *positions);
+  return std::nullopt;
+}
+
+bool Layer::storesPositions() const {
+  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute);
+  return Allocator::IsValidHandle(mesh_->cm, handle) || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD);
+}
+
+bool Layer::hasMap() const {
+  if (!storesPositions()) return false;
+  try {
+    return map(surface()).has_value();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> Layer::colors(
+    const MeshSurface& surface) const {
+  if (!mesh_->hasDataMask(MeshModel::MM_VERTCOLOR)) return std::nullopt;
+  Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor> colors(surface.surface.vertexCount(), 3);
+  for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
+    const auto& c = mesh_->cm.vert[static_cast<size_t>(surface.meshVertex[v])].cC();
+    colors.row(static_cast<Eigen::Index>(v)) << c[0], c[1], c[2];
+  }
+  return colors;
+}
+
+Layer Layers::current() const {
+  if (document_.mm() == nullptr)
+    throw ParameterError("The project has no layer. Load a closed triangle mesh first (File, Import Mesh).");
+  return Layer(*document_.mm());
+}
+
+int Layers::currentId() const { return document_.mm() != nullptr ? document_.mm()->id() : -1; }
+
+std::optional<Layer> Layers::find(int id) const {
+  if (id < 0) return std::nullopt;
+  const MeshModel* mesh = document_.getMesh(static_cast<unsigned int>(id));
+  return mesh != nullptr ? std::optional<Layer>(*mesh) : std::nullopt;
+}
+
+std::vector<Layer> Layers::visible(LayerKind kind) const {
+  std::vector<Layer> found;
+  for (const MeshModel& mesh : document_.meshIterator()) {
+    const Layer layer(mesh);
+    if (layer.visible() && layer.kind() == kind) found.push_back(layer);
+  }
+  return found;
+}
+
+std::vector<Layer> Layers::visibleSurfaces() const {
+  std::vector<Layer> found = visible(LayerKind::Surface);
+  if (found.empty())
+    throw ParameterError(
+        "No surface layer is visible. Load closed triangle meshes, or show them in the layer dialog; layers of landmarks, "
+        "of spheres and of shape models do not count.");
+  return found;
+}
+
+}  // namespace sphere_propagation::host

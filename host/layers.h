@@ -1,0 +1,81 @@
+#pragma once
+/// The layers of a document as the filters see them: what kind each is, its surface, and the map that it carries.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vcg_ext/map/sphere_map.h"
+#include "vcg_ext/mesh/vcg_conversion.h"
+
+class MeshDocument;
+class MeshModel;
+
+namespace sphere_propagation::host {
+
+/// Where the map lives on a mesh: a point attribute per vertex, and the texture coordinates (which files keep).
+constexpr const char* spherePositionAttribute = "sphere_position";
+
+/// What a layer is, told from what it holds, so that nothing need be hidden by hand and files loaded again are known.
+enum class LayerKind {
+  Surface,    ///< anything else: what maps are made for
+  Landmarks,  ///< its face list is the icosphere's of its size
+  Sphere,     ///< its vertices all lie on the unit sphere
+  Model,      ///< made by the shape model: "mean shape", "mode 1 -3 sd"
+};
+
+/// A layer, to be read.
+class Layer {
+ public:
+  explicit Layer(const MeshModel& mesh) : mesh_(&mesh) {}
+
+  int id() const;
+  std::string label() const;
+  /// The label without a file name's ending, and " suffix" behind it: what a layer made from this one is called.
+  std::string derivedLabel(const std::string& suffix) const;
+  bool visible() const;
+  LayerKind kind() const;
+
+  /// The layer's geometry: its matrix times its vertices. Throws SurfaceError, which names the layer.
+  MeshSurface surface() const;
+  /// The map that the layer carries: the attribute, else the texture coordinates, whichever certifies as a map of this
+  /// surface; ordinary texture coordinates do not, and are no map.
+  std::optional<SphereMap> map(const MeshSurface& surface) const;
+  /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the attribute where there
+  /// is one, else the texture coordinates; empty when it has neither. For measurements.
+  std::optional<Points> storedPositions(const MeshSurface& surface) const;
+  /// Whether anything is stored where a map would be.
+  bool storesPositions() const;
+  /// Whether it carries a map; quick, and false where the layer is no closed surface.
+  bool hasMap() const;
+  /// Red, green, blue of each vertex of the surface, if the layer has colours of its own.
+  std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors(const MeshSurface& surface) const;
+
+ private:
+  std::optional<Points> attributePositions(const MeshSurface& surface) const;
+  std::optional<Points> texturePositions(const MeshSurface& surface) const;
+
+  const MeshModel* mesh_;
+};
+
+/// The document, to be read.
+class Layers {
+ public:
+  explicit Layers(const MeshDocument& document) : document_(document) {}
+
+  /// The current layer. Throws ParameterError when there is none.
+  Layer current() const;
+  /// The id of the current layer, -1 when there is none.
+  int currentId() const;
+  /// The layer with this id, if there is one.
+  std::optional<Layer> find(int id) const;
+  /// The visible layers of a kind, in layer order.
+  std::vector<Layer> visible(LayerKind kind) const;
+  /// The same, and a ParameterError that says what to do when there is none.
+  std::vector<Layer> visibleSurfaces() const;
+
+ private:
+  const MeshDocument& document_;
+};
+
+}  // namespace sphere_propagation::host

@@ -1,0 +1,46 @@
+#pragma once
+/// The parameters of a filter, in no host's words.
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace sphere_propagation::host {
+
+/// One parameter: its type is that of its value.
+struct Parameter {
+  struct Choice {
+    std::vector<std::string> names;
+    int chosen = 0;
+  };
+  struct LayerId {
+    int id = 0;
+  };
+
+  std::string name;   ///< lower_snake, what scripts say
+  std::string label;  ///< what the dialog says
+  std::string help;   ///< the tooltip: one or two sentences, with unit and range
+  std::variant<bool, int, double, std::string, Choice, LayerId> value;  ///< the default
+  bool advanced = false;
+
+  /// The same parameter, shown among the advanced ones.
+  Parameter asAdvanced() && {
+    advanced = true;
+    return std::move(*this);
+  }
+};
+
+/// What the user chose.
+class ParameterValues {
+ public:
+  virtual ~ParameterValues() = default;
+  virtual bool flag(const std::string& name) const = 0;
+  virtual int integer(const std::string& name) const = 0;
+  virtual double real(const std::string& name) const = 0;
+  virtual std::string text(const std::string& name) const = 0;
+  virtual int choice(const std::string& name) const = 0;   ///< index into Choice::names
+  virtual int layerId(const std::string& name) const = 0;
+};
+
+}  // namespace sphere_propagation::host
