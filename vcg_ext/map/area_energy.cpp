@@ -12,8 +12,9 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double leastArea = 1e-5;          // of the mean face area
-/// The mesh's cotangents are blended with an equilateral triangle's: slivers of the mesh need not be slivers on the sphere.
+constexpr double leastArea = 1e-5;  // of the mean face area
+/// The mesh's cotangents are blended with an equilateral triangle's: slivers of the mesh need not be slivers on the
+/// sphere.
 constexpr double equilateralShare = 0.1;
 constexpr double equilateralCotangent = 0.57735026918962576;
 /// Least area of a triangle in its cotangents, in units of the sum of its squared edges.
@@ -51,7 +52,8 @@ std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& fac
   return targets;
 }
 
-double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s, const std::array<Vector3, 3>& p) {
+double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s,
+                  const std::array<Vector3, 3>& p) {
   if (!(s > 0)) return std::numeric_limits<double>::infinity();
   const double r = std::log(s / target.area);
   return target.weight * (weights.area * r * r + weights.shape * dirichlet(target, p) / (2 * s));
@@ -82,7 +84,8 @@ FaceExpansion expandFaceEnergy(const FaceTarget& target, const AreaEnergyWeights
       block.noalias() = (2 * wa + 2 * wq * q) * logArea[k] * logArea[l].transpose();
       block -= wq * (quotient[k] * logArea[l].transpose() + logArea[k] * quotient[l].transpose());
       if (k == l) {
-        block += wq * (target.stiffness[(k + 1) % 3] + target.stiffness[(k + 2) % 3]) / (2 * s) * TangentBlock::Identity();
+        block +=
+            wq * (target.stiffness[(k + 1) % 3] + target.stiffness[(k + 2) % 3]) / (2 * s) * TangentBlock::Identity();
       } else {
         TangentBlock turn;
         for (int a = 0; a < 2; ++a)

@@ -20,15 +20,15 @@ namespace sphere_propagation {
 
 /// What the energy knows of one face.
 struct FaceTarget {
-  double area = 0;                      ///< a_f, steradian
-  double weight = 0;                    ///< w_f
-  std::array<double, 3> stiffness{};    ///< D_f = 1/2 sum_k stiffness[k] |edge opposite corner k|^2
+  double area = 0;                    ///< a_f, steradian
+  double weight = 0;                  ///< w_f
+  std::array<double, 3> stiffness{};  ///< D_f = 1/2 sum_k stiffness[k] |edge opposite corner k|^2
 };
 
 /// Weights of the two terms.
 struct AreaEnergyWeights {
-  double area = 1;    ///< A
-  double shape = 0;   ///< B
+  double area = 1;   ///< A
+  double shape = 0;  ///< B
 };
 
 /// A tangent vector in the frame of its vertex, and a 2 x 2 block.
@@ -44,12 +44,13 @@ struct FaceExpansion {
   std::array<std::array<TangentBlock, 3>, 3> hessian;
 };
 
-/// Targets of all faces of a mesh. vertices: #V by 3; faces: #F by 3; the total area must be positive. Faces smaller than 1e-5
-/// of the mean count as that large, so that a face without area keeps a place on the sphere.
+/// Targets of all faces of a mesh. vertices: #V by 3; faces: #F by 3; the total area must be positive. Faces smaller
+/// than 1e-5 of the mean count as that large, so that a face without area keeps a place on the sphere.
 std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& faces);
 
 /// Energy of a face with its corners at unit vectors p, between which it has the solid angle s; infinity unless s > 0.
-double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s, const std::array<Vector3, 3>& p);
+double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, double s,
+                  const std::array<Vector3, 3>& p);
 
 /// The same with first and second derivatives. frame[k]: the two tangents at corner k.
 FaceExpansion expandFaceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights,

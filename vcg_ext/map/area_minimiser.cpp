@@ -104,7 +104,8 @@ void AreaMinimiser::assemble(const AreaStepParameters& parameters, const Points&
       diagonal_[v[k]] += e.hessian[k][k];
       offDiagonal_[forward] += e.hessian[k][l];
       offDiagonal_[backward] += e.hessian[l][k];
-      // Damping: the Dirichlet energy of the displacement, cotangents of the triangle on the sphere, kept within bounds.
+      // Damping: the Dirichlet energy of the displacement, cotangents of the triangle on the sphere, kept within
+      // bounds.
       const Vector3 a = p[k] - p[(k + 2) % 3], b = p[l] - p[(k + 2) % 3];
       const double cotangent = 0.5 * a.dot(b) / (a.cross(b).norm() + 1e-300);
       const double c = parameters.damping * std::clamp(cotangent, 0.005, 10.0);
@@ -159,7 +160,8 @@ void AreaMinimiser::solve(const AreaStepParameters& parameters) {
   }
 }
 
-/// Moves all vertices by `length` of the step into trial_, less where a face would degenerate; returns the energy there.
+/// Moves all vertices by `length` of the step into trial_, less where a face would degenerate; returns the energy
+/// there.
 double AreaMinimiser::take(double length, const AreaStepParameters& parameters, const Points& positions) {
   const Triangles& faces = surface_.faces();
   std::fill(share_.begin(), share_.end(), length);
@@ -167,8 +169,7 @@ double AreaMinimiser::take(double length, const AreaStepParameters& parameters, 
   for (int round = 0; round < rounds; ++round) {
     for (int v = 0; v < surface_.vertexCount(); ++v) {
       Vector3 p = positions.row(v).transpose();
-      if (share_[v] > 0)
-        p = (p + share_[v] * (step_[v][0] * frame_[v][0] + step_[v][1] * frame_[v][1])).normalized();
+      if (share_[v] > 0) p = (p + share_[v] * (step_[v][0] * frame_[v][0] + step_[v][1] * frame_[v][1])).normalized();
       trial_.row(v) = p.transpose();
     }
     bool admissible = true;
@@ -176,7 +177,8 @@ double AreaMinimiser::take(double length, const AreaStepParameters& parameters, 
     for (int f = 0; f < surface_.faceCount(); ++f) {
       const auto p = corners(faces, trial_, f);
       const double s = solidAngle(p[0], p[1], p[2]);
-      bool bad = !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) || s < leastSolidAngle || s > largestSolidAngle;
+      bool bad =
+          !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) || s < leastSolidAngle || s > largestSolidAngle;
       for (int k = 0; k < 3 && !bad; ++k) {
         const double cosine = p[k].dot(p[(k + 1) % 3]);
         bad = cosine < leastCosine &&

@@ -13,12 +13,12 @@ struct AreaStepParameters {
   /// Weight of the Dirichlet energy of the displacement, relative to the Hessian's own scale: damps what the Hessian
   /// does not see (rotations of the sphere, flows that keep areas).
   double damping = 0.01;
-  int conjugateGradientIterations = 60;  ///< at most, per step
+  int conjugateGradientIterations = 60;      ///< at most, per step
   double conjugateGradientTolerance = 0.05;  ///< relative, in the norm of the preconditioner
 };
 
-/// Minimises the area energy of one surface from a given valid map. Keeps the sparsity pattern and the buffers, so that many
-/// steps cost no allocation.
+/// Minimises the area energy of one surface from a given valid map. Keeps the sparsity pattern and the buffers, so that
+/// many steps cost no allocation.
 class AreaMinimiser {
  public:
   /// surface must outlive the minimiser; targets: #F.
@@ -27,12 +27,12 @@ class AreaMinimiser {
   /// Energy of the positions (#V by 3 unit vectors); infinity when a face is not admissible.
   double energy(const AreaEnergyWeights& weights, const Points& positions) const;
 
-  /// One step: solves the regularised Gauss-Newton system by conjugate gradients with a block-Jacobi preconditioner, tries
-  /// lengths 1, 1/2, 1/4 ... of the step, each shortened locally where a face would degenerate, and takes the one that lowers
-  /// the energy most. (The first that lowers it at all is a poor choice: far from the solution a long step is held up by
-  /// the faces that it would flip.) Admissible positions stay admissible: solid angles above 1e-14 and below 6, no edge growing
-  /// beyond arccos(-0.9).
-  /// Returns the ratio of the energy after the step to that before; 1 when no step lowers it (positions unchanged).
+  /// One step: solves the regularised Gauss-Newton system by conjugate gradients with a block-Jacobi preconditioner,
+  /// tries lengths 1, 1/2, 1/4 ... of the step, each shortened locally where a face would degenerate, and takes the one
+  /// that lowers the energy most. (The first that lowers it at all is a poor choice: far from the solution a long step
+  /// is held up by the faces that it would flip.) Admissible positions stay admissible: solid angles above 1e-14 and
+  /// below 6, no edge growing beyond arccos(-0.9). Returns the ratio of the energy after the step to that before; 1
+  /// when no step lowers it (positions unchanged).
   double step(const AreaStepParameters& parameters, Points& positions);
 
  private:

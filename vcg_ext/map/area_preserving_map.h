@@ -7,8 +7,8 @@
 namespace sphere_propagation {
 
 struct AreaPreservingParameters {
-  /// In [0, 1]. 1: areas alone, as far as validity allows; 0: angles alone. The default all but preserves area and spends
-  /// what freedom is left on angles.
+  /// In [0, 1]. 1: areas alone, as far as validity allows; 0: angles alone. The default all but preserves area and
+  /// spends what freedom is left on angles.
   double areaWeight = 0.9;
 };
 
@@ -17,8 +17,8 @@ struct AreaPreservingResult {
   int steps = 0;  ///< global steps taken
 };
 
-/// Minimises the energy of area_energy.h from `start`. The weight of the shape term is lowered in stages to the one that
-/// `areaWeight` asks for, so that areas first travel through faces in good shape. Every step keeps the map valid.
+/// Minimises the energy of area_energy.h from `start`. The weight of the shape term is lowered in stages to the one
+/// that `areaWeight` asks for, so that areas first travel through faces in good shape. Every step keeps the map valid.
 /// Throws ParameterError when areaWeight is outside [0, 1].
 AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
                                         const AreaPreservingParameters& parameters = {}, const Progress& progress = {});

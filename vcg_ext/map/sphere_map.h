@@ -6,8 +6,8 @@
 
 namespace sphere_propagation {
 
-/// One unit vector per vertex of a surface, certified: every spherical triangle is positively oriented and together they
-/// cover the sphere once (see certificate.h). What takes a SphereMap need not check again.
+/// One unit vector per vertex of a surface, certified: every spherical triangle is positively oriented and together
+/// they cover the sphere once (see certificate.h). What takes a SphereMap need not check again.
 class SphereMap {
  public:
   /// surface: the surface that is mapped; positions: #V by 3 unit vectors.

@@ -9,8 +9,9 @@
 
 namespace sphere_propagation {
 
-/// Signed solid angle (steradian, in (-2 pi, 2 pi]) of the spherical triangle of unit vectors a, b, c; positive when they
-/// run counter-clockwise seen from outside. A. van Oosterom and J. Strackee, 1983; differences keep small triangles exact.
+/// Signed solid angle (steradian, in (-2 pi, 2 pi]) of the spherical triangle of unit vectors a, b, c; positive when
+/// they run counter-clockwise seen from outside. A. van Oosterom and J. Strackee, 1983; differences keep small
+/// triangles exact.
 inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 e = b - a, g = c - a;
   return 2 * std::atan2(a.dot(e.cross(g)), 1 + a.dot(b) + b.dot(c) + c.dot(a));

@@ -46,7 +46,8 @@ std::vector<char> verticesToFree(const ClosedSurface& surface, const Points& pos
 }
 
 /// Tutte's system: every free vertex at the weighted mean of its neighbours, the others fixed; then back on the sphere.
-void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& free, double shortest, Points& positions) {
+void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& free, double shortest,
+                       Points& positions) {
   std::vector<int> index(free.size(), -1), vertex;
   for (int v = 0; v < surface.vertexCount(); ++v)
     if (free[v]) {
@@ -97,10 +98,11 @@ Untangled untangle(const ClosedSurface& surface, Points positions) {
     if (freed == 0) break;
     if (freed == surface.vertexCount()) {
       const Certificate now = certify(surface.faces(), positions);
-      throw MapError(now.flippedFaces, now.firstFlippedFace,
-                     "Layer \"" + surface.name() + "\": its positions on the sphere cannot be made a valid map by local repair: " +
-                         std::to_string(before.flippedFaces) + " faces were flipped, " + std::to_string(now.flippedFaces) +
-                         " still are, the first is face " + std::to_string(now.firstFlippedFace) + ".");
+      throw MapError(
+          now.flippedFaces, now.firstFlippedFace,
+          "Layer \"" + surface.name() + "\": its positions on the sphere cannot be made a valid map by local repair: " +
+              std::to_string(before.flippedFaces) + " faces were flipped, " + std::to_string(now.flippedFaces) +
+              " still are, the first is face " + std::to_string(now.firstFlippedFace) + ".");
     }
     solveFreeVertices(surface, free, shortest, positions);
   }

@@ -8,13 +8,13 @@ namespace sphere_propagation {
 
 struct Untangled {
   SphereMap map;
-  int repairedFaces = 0;   ///< faces that were flipped before the repair
-  int movedVertices = 0;   ///< vertices that lie elsewhere after it
+  int repairedFaces = 0;  ///< faces that were flipped before the repair
+  int movedVertices = 0;  ///< vertices that lie elsewhere after it
 };
 
 /// Frees the vertices of the flipped faces and a ring of vertices around them, and puts each free vertex at the mean of
-/// its neighbours weighted by 1 / edge length, all others fixed (W. T. Tutte, How to draw a graph, 1963; the weights are
-/// those of the paper's smoothing), then back on the sphere. Where faces are still flipped the ring grows.
+/// its neighbours weighted by 1 / edge length, all others fixed (W. T. Tutte, How to draw a graph, 1963; the weights
+/// are those of the paper's smoothing), then back on the sphere. Where faces are still flipped the ring grows.
 ///
 /// positions: #V by 3, any length but zero (they are normalised first; a zero or non-finite one counts as free).
 /// Throws MapError when growing the ring does not end in a valid map: the positions are too far from one.
