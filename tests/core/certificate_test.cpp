@@ -169,6 +169,20 @@ TEST(Certificate, HemisphereThatOnlyExactArithmeticTells) {
   EXPECT_GT(roundedWrongly, 100);  // else this test shows nothing
 }
 
+TEST(Certificate, HemisphereToTheSmallestNumber) {
+  // Three corners on the equator, one of them lifted by as little as a double can hold: products of the filter
+  // underflow.
+  const Triangles faces{{0, 1, 2}, {3, 1, 0}, {3, 2, 1}, {3, 0, 2}};
+  Points positions(4, 3);
+  positions << 1, 0, 0, -0.5, std::sqrt(0.75), 0, -0.5, -std::sqrt(0.75), 0, 0, 0, -1;
+  for (const double height : {5e-324, 1e-310, 1e-200, 1e-30, 1e-16}) {
+    positions(1, 2) = height;
+    EXPECT_TRUE(certify(faces, positions).valid()) << height;
+    positions(1, 2) = -height;
+    EXPECT_EQ(certify(faces, positions).flippedFaces, 1) << height;
+  }
+}
+
 TEST(Certificate, SolidAngleTooSmall) {
   // Positive in exact arithmetic, but too small to be told from a point: the 8 faces of the innermost ring (0.354 r^2)
   // and the 16 of the next.

@@ -1,7 +1,8 @@
 // Orientation of a spherical triangle: the sign of det(a, b, c), decided by a floating-point filter in the manner of
-// J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, with
-// rational arithmetic (Boost.Multiprecision) where the filter cannot tell. Solid angle: A. van Oosterom and J.
-// Strackee, The solid angle of a plane triangle, 1983.
+// J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, and by
+// integers of any size (Boost.Multiprecision) where the filter cannot tell.
+//
+// Solid angle: A. van Oosterom and J. Strackee, The solid angle of a plane triangle, 1983.
 
 #include "vcg_ext/map/certificate.h"
 
@@ -13,11 +14,20 @@
 namespace sphere_propagation {
 namespace {
 
+using Integer = boost::multiprecision::cpp_int;
+
+/// x 2^1127: an integer for every double x.
+Integer scaled(double x) {
+  int exponent = 0;
+  const double mantissa = std::frexp(x, &exponent);  // x = mantissa 2^exponent, exponent >= -1073
+  return Integer(static_cast<long long>(std::ldexp(mantissa, 53))) << (exponent - 53 + 1127);
+}
+
 int exactSign(const double* a, const double* b, const double* c) {
-  using Rational = boost::multiprecision::cpp_rational;
-  const Rational bx(b[0]), by(b[1]), bz(b[2]), cx(c[0]), cy(c[1]), cz(c[2]);
-  const Rational det = Rational(a[0]) * (by * cz - bz * cy) + Rational(a[1]) * (bz * cx - bx * cz) +
-                       Rational(a[2]) * (bx * cy - by * cx);
+  const Integer bx = scaled(b[0]), by = scaled(b[1]), bz = scaled(b[2]);
+  const Integer cx = scaled(c[0]), cy = scaled(c[1]), cz = scaled(c[2]);
+  const Integer det =
+      scaled(a[0]) * (by * cz - bz * cy) + scaled(a[1]) * (bz * cx - bx * cz) + scaled(a[2]) * (bx * cy - by * cx);
   return det.sign();
 }
 
