@@ -1,0 +1,104 @@
+#include "vcg_ext/propagation/propagation.h"
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/map/area_restoration.h"
+#include "vcg_ext/propagation/robust_propagation.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Of the time, where areas are restored: that takes several times as long as an arc.
+constexpr double propagationShare = 0.2;
+
+void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap, const PropagationTree& tree,
+                const PropagationParameters& parameters) {
+  if (surfaces.empty() || tree.parent.size() != surfaces.size() || tree.order.size() != surfaces.size())
+    throw ParameterError("The order of propagation is one of " + std::to_string(tree.parent.size()) +
+                         " layers, but there are " + std::to_string(surfaces.size()) + ".");
+  const ClosedSurface& root = surfaces[tree.root()];
+  if (rootMap.positions().rows() != root.vertexCount())
+    throw ParameterError("The root, layer \"" + root.name() + "\", has " + std::to_string(root.vertexCount()) +
+                         " vertices, but the map that is given as its has " +
+                         std::to_string(rootMap.positions().rows()) + " positions.");
+  if (!(parameters.areaRestoration >= 0 && parameters.areaRestoration <= 1))
+    throw ParameterError("The area restoration must lie between 0 and 1; it is " +
+                         std::to_string(parameters.areaRestoration) + ".");
+}
+
+PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& referenceMap, const ClosedSurface& target,
+                             const PropagationParameters& parameters) {
+  try {
+    if (parameters.method == PropagationMethod::AsPublished) {
+      PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
+      return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95};
+    }
+    RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
+    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95};
+  } catch (const MapError& error) {  // names the target, but knows nothing of the tree
+    throw MapError(error.count, error.first,
+                   std::string(error.what()) + " They come from layer \"" + reference.name() +
+                       "\", which may be too different from it: choose another order of propagation or another root.");
+  }
+}
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Does something to every layer but the root, parents before their children; progress goes by vertices.
+void overArcs(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree, const Progress& progress,
+              const std::function<void(int layer, const Progress& ofLayer)>& act) {
+  double vertices = 0, done = 0;
+  for (int i : tree.order)
+    if (i != tree.root()) vertices += surfaces[i].vertexCount();
+  report(progress, 0);
+  for (int i : tree.order) {
+    if (i == tree.root()) continue;
+    const double before = done;
+    done += surfaces[i].vertexCount();
+    act(i, part(progress, before / vertices, done / vertices));
+    report(progress, done / vertices);
+  }
+  report(progress, 1);
+}
+
+}  // namespace
+
+std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
+                                       const PropagationTree& tree, const PropagationParameters& parameters,
+                                       const Progress& progress) {
+  requireFit(surfaces, rootMap, tree, parameters);
+  std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
+  layers[tree.root()] = PropagatedLayer{rootMap};
+  const bool restores = parameters.areaRestoration > 0;
+  overArcs(surfaces, tree, part(progress, 0, restores ? propagationShare : 1), [&](int i, const Progress&) {
+    const int parent = tree.parent[i];
+    const Stopwatch watch;
+    layers[i] = propagateArc(surfaces[parent], layers[parent]->map, surfaces[i], parameters);
+    layers[i]->parent = parent;
+    layers[i]->seconds = watch.seconds();
+  });
+  // In a second round: children have read the map of their parent as it was.
+  if (restores)
+    overArcs(surfaces, tree, part(progress, propagationShare, 1), [&](int i, const Progress& ofLayer) {
+      const Stopwatch watch;
+      layers[i]->map = restoreArea(surfaces[i], layers[i]->map, parameters.areaRestoration, ofLayer);
+      layers[i]->seconds += watch.seconds();
+    });
+  std::vector<PropagatedLayer> result;
+  result.reserve(layers.size());
+  for (std::optional<PropagatedLayer>& layer : layers) result.push_back(std::move(*layer));
+  return result;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,45 @@
+#pragma once
+/// Propagation of a map from the root over all layers, one arc of the tree after the other.
+
+#include <vector>
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/map/sphere_map.h"
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/propagation/propagation_tree.h"
+#include "vcg_ext/propagation/published_propagation.h"
+
+namespace sphere_propagation {
+
+enum class PropagationMethod {
+  Robust,       ///< robust_propagation.h
+  AsPublished,  ///< published_propagation.h
+};
+
+struct PropagationParameters {
+  PropagationMethod method = PropagationMethod::Robust;
+  PublishedParameters published;  ///< of method AsPublished
+  /// In [0, 1]: how far each layer's map is moved towards area preservation in the end (area_restoration.h). What goes
+  /// down the tree is the map before that, and the root keeps the map that it has.
+  double areaRestoration = 0;
+};
+
+struct PropagatedLayer {
+  SphereMap map;
+  int parent = -1;          ///< the layer that the map comes from; -1 for the root
+  int repairedFaces = 0;    ///< faces that were flipped before the repair
+  double residualMean = 0;  ///< distance of the layer's vertices from its parent as brought onto it
+  double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
+  double seconds = 0;       ///< spent on this layer, wall clock
+};
+
+/// surfaces: the layers, in the order of the tree's numbers; rootMap: the map of surfaces[tree.root()]; tree: one entry
+/// per layer, of any of the orders in propagation_tree.h or similarity_tree.h. Progress goes by vertices.
+/// Returns one entry per layer, in layer order; that of the root has rootMap as it is, and zeros.
+/// Throws ParameterError when the arguments do not fit together or a parameter is out of range, and what the method
+/// throws, which names the layer.
+std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
+                                       const PropagationTree& tree, const PropagationParameters& parameters = {},
+                                       const Progress& progress = {});
+
+}  // namespace sphere_propagation
