@@ -1,6 +1,6 @@
 // Orientation of a spherical triangle: the sign of det(a, b, c), decided by a floating-point filter in the manner of
 // J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, and by
-// integers of any size (Boost.Multiprecision) where the filter cannot tell.
+// wide integers (Boost.Multiprecision) where the filter cannot tell.
 //
 // Solid angle: A. van Oosterom and J. Strackee, The solid angle of a plane triangle, 1983.
 
@@ -14,9 +14,11 @@
 namespace sphere_propagation {
 namespace {
 
-using Integer = boost::multiprecision::cpp_int;
+// Wide enough for products of three coordinates times 2^1127 each, and so without memory to allocate.
+using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+    4096, 4096, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 
-/// x 2^1127: an integer for every double x.
+/// x 2^1127: an integer for every double x; here |x| <= 1 + unitTolerance.
 Integer scaled(double x) {
   int exponent = 0;
   const double mantissa = std::frexp(x, &exponent);  // x = mantissa 2^exponent, exponent >= -1073

@@ -3,7 +3,7 @@
 ///
 /// It is what the word "valid" and the count "flipped faces" mean everywhere in this project. It shares no code with
 /// the algorithms that make maps: its geometry is its own, and the orientation of a face is decided exactly
-/// (a floating-point filter, then integers of any size).
+/// (a floating-point filter, then wide integers).
 ///
 /// Why this suffices: if all faces of a closed surface of genus 0 are positively oriented, the map that sends each face
 /// to its spherical triangle is a branched covering of the sphere; degree 1 leaves no branch and one sheet, so it is

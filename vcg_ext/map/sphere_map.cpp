@@ -13,9 +13,10 @@ SphereMap::SphereMap(const ClosedSurface& surface, Points positions) : positions
                        std::to_string(surface.vertexCount()) + " vertices.");
   const Certificate certificate = certify(surface.faces(), positions_);
   if (!certificate.valid())
-    throw MapError(certificate.notOnSphere + certificate.flippedFaces,
-                   certificate.notOnSphere > 0 ? certificate.firstNotOnSphere : certificate.firstFlippedFace,
-                   "Layer \"" + surface.name() + "\": its map to the sphere is not valid: " + certificate.reason() + ".");
+    throw MapError(
+        certificate.notOnSphere + certificate.flippedFaces,
+        certificate.notOnSphere > 0 ? certificate.firstNotOnSphere : certificate.firstFlippedFace,
+        "Layer \"" + surface.name() + "\": its map to the sphere is not valid: " + certificate.reason() + ".");
 }
 
 }  // namespace sphere_propagation

@@ -132,8 +132,8 @@ void ClosedSurface::connectEdges() {
   if (open.count > 0) {
     const long coincident = coincidentVertices(vertices_);
     fail(name_, Defect::NotClosed, open,
-         "it is not closed: " + counted(open.count, "edge has", "edges have") + " a face on one side only, the first at face " +
-             std::to_string(open.first),
+         "it is not closed: " + counted(open.count, "edge has", "edges have") +
+             " a face on one side only, the first at face " + std::to_string(open.first),
          coincident > 0 ? std::to_string(coincident) +
                               " vertices lie exactly where another one lies: unify them with \"Remove Duplicate "
                               "Vertices\"; close what is still open with \"Close Holes\"."

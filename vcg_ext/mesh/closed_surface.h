@@ -64,7 +64,7 @@ class ClosedSurface {
   Points vertices_;
   Triangles faces_;
   std::string name_;
-  std::vector<int> twin_;                     // 3 #F
+  std::vector<int> twin_;                      // 3 #F
   std::vector<int> offset_, outgoing_, ring_;  // #V + 1, 3 #F, 3 #F
 };
 

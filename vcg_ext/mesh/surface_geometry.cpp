@@ -51,8 +51,7 @@ Points vertexNormals(const Points& vertices, const Triangles& faces) {
 double meanEdgeLength(const Points& vertices, const Triangles& faces) {
   double sum = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      sum += (corner(vertices, faces, f, k) - corner(vertices, faces, f, (k + 1) % 3)).norm();
+    for (int k = 0; k < 3; ++k) sum += (corner(vertices, faces, f, k) - corner(vertices, faces, f, (k + 1) % 3)).norm();
   return sum / static_cast<double>(3 * faces.rows());
 }
 
