@@ -43,7 +43,7 @@ std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& fac
     std::array<double, 3> squared;  // length of the edge opposite each corner
     for (int k = 0; k < 3; ++k) squared[k] = (p[(k + 1) % 3] - p[(k + 2) % 3]).squaredNorm();
     const double sum = squared[0] + squared[1] + squared[2];
-    const double area = std::max(0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm(), leastFlatness * sum);
+    const double area = std::max(0.5 * (p[1] - p[0]).cross(p[2] - p[0]).stableNorm(), leastFlatness * sum);
     for (int k = 0; k < 3; ++k) {
       const double cotangent = area > 0 ? (sum - 2 * squared[k]) / (4 * area) : equilateralCotangent;
       target.stiffness[k] = (1 - equilateralShare) * cotangent + equilateralShare * equilateralCotangent;
@@ -62,11 +62,10 @@ double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights, do
 FaceExpansion expandFaceEnergy(const FaceTarget& target, const AreaEnergyWeights& weights,
                                const std::array<Vector3, 3>& p, const std::array<std::array<Vector3, 2>, 3>& frame) {
   FaceExpansion e;
-  double s = 0;
   std::array<Tangent, 3> logArea;   // gradient of ln s
   std::array<Tangent, 3> quotient;  // gradient of D, divided by 2 s
   std::array<Vector3, 3> gradientOfArea;
-  for (int k = 0; k < 3; ++k) s = solidAngle(p[k], p[(k + 1) % 3], p[(k + 2) % 3], gradientOfArea[k]);
+  const double s = e.solidAngle = solidAngle(p, gradientOfArea);
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const Vector3 d = target.stiffness[j] * (p[k] - p[i]) + target.stiffness[i] * (p[k] - p[j]);

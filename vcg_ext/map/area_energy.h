@@ -37,6 +37,7 @@ using TangentBlock = Eigen::Matrix2d;
 
 /// The energy of one face to second order, in the tangent frames of its corners.
 struct FaceExpansion {
+  double solidAngle = 0;
   double energy = 0;
   std::array<Tangent, 3> gradient;
   /// hessian[i][j], positive semidefinite as a whole: Gauss-Newton for the logarithm; exact up to the curvature of s_f

@@ -12,7 +12,8 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double leastSolidAngle = 1e-14;
+/// Twice what the certificate asks: what is good here is good there, whatever the rounding.
+constexpr double leastSolidAngle = 2e-14;
 constexpr double largestSolidAngle = 6.0;
 /// An edge near to antipodal has no direction: past this cosine it may not grow.
 constexpr double leastCosine = -0.9;
@@ -22,12 +23,6 @@ constexpr double shrinkage = 0.1;
 std::array<Vector3, 3> corners(const Triangles& faces, const Points& positions, int f) {
   return {positions.row(faces(f, 0)).transpose(), positions.row(faces(f, 1)).transpose(),
           positions.row(faces(f, 2)).transpose()};
-}
-
-double dot(const std::vector<Tangent>& a, const std::vector<Tangent>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
-  return sum;
 }
 
 }  // namespace
@@ -97,7 +92,7 @@ void AreaMinimiser::assemble(const AreaStepParameters& parameters, const Points&
     const std::array<int, 3> v = {surface_.faces()(f, 0), surface_.faces()(f, 1), surface_.faces()(f, 2)};
     const FaceExpansion e =
         expandFaceEnergy(targets_[f], parameters.weights, p, {frame_[v[0]], frame_[v[1]], frame_[v[2]]});
-    solidAngle_[f] = solidAngle(p[0], p[1], p[2]);
+    solidAngle_[f] = e.solidAngle;
     for (int k = 0; k < 3; ++k) {
       const int l = (k + 1) % 3, h = 3 * f + k, forward = slot_[h], backward = slot_[surface_.twin(h)];
       gradient_[v[k]] += e.gradient[k];
@@ -124,36 +119,37 @@ void AreaMinimiser::assemble(const AreaStepParameters& parameters, const Points&
   }
 }
 
-void AreaMinimiser::multiply(const std::vector<Tangent>& x, std::vector<Tangent>& y) const {
-  for (size_t v = 0; v < x.size(); ++v) {
-    Tangent sum = diagonal_[v] * x[v];
-    for (int i = rowStart_[v]; i < rowStart_[v + 1]; ++i) sum += offDiagonal_[i] * x[column_[i]];
-    y[v] = sum;
+/// image = H search; returns their dot product.
+double AreaMinimiser::multiplySearch() {
+  double sum = 0;
+  for (size_t v = 0; v < search_.size(); ++v) {
+    Tangent row = diagonal_[v] * search_[v];
+    for (int i = rowStart_[v]; i < rowStart_[v + 1]; ++i) row += offDiagonal_[i] * search_[column_[i]];
+    image_[v] = row;
+    sum += search_[v].dot(row);
   }
+  return sum;
 }
 
 void AreaMinimiser::solve(const AreaStepParameters& parameters) {
   const size_t n = step_.size();
-  const auto precondition = [&] {
-    for (size_t v = 0; v < n; ++v) scaled_[v] = preconditioner_[v] * residual_[v];
-  };
+  double rho = 0;
   for (size_t v = 0; v < n; ++v) {
     step_[v].setZero();
     residual_[v] = -gradient_[v];
+    search_[v] = preconditioner_[v] * residual_[v];
+    rho += residual_[v].dot(search_[v]);
   }
-  precondition();
-  search_ = scaled_;
-  double rho = dot(residual_, scaled_);
   const double enough = rho * parameters.conjugateGradientTolerance * parameters.conjugateGradientTolerance;
   for (int i = 0; i < parameters.conjugateGradientIterations && rho > enough; ++i) {
-    multiply(search_, image_);
-    const double alpha = rho / dot(search_, image_);
+    const double alpha = rho / multiplySearch();
+    double next = 0;
     for (size_t v = 0; v < n; ++v) {
       step_[v] += alpha * search_[v];
       residual_[v] -= alpha * image_[v];
+      scaled_[v] = preconditioner_[v] * residual_[v];
+      next += residual_[v].dot(scaled_[v]);
     }
-    precondition();
-    const double next = dot(residual_, scaled_);
     const double beta = next / rho;
     rho = next;
     for (size_t v = 0; v < n; ++v) search_[v] = scaled_[v] + beta * search_[v];
@@ -177,8 +173,9 @@ double AreaMinimiser::take(double length, const AreaStepParameters& parameters, 
     for (int f = 0; f < surface_.faceCount(); ++f) {
       const auto p = corners(faces, trial_, f);
       const double s = solidAngle(p[0], p[1], p[2]);
-      bool bad =
-          !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) || s < leastSolidAngle || s > largestSolidAngle;
+      // A start beyond the limits is no reason to stand still: it must not get worse.
+      bool bad = !(s > shrinkage * std::min(solidAngle_[f], targets_[f].area)) ||
+                 (s < leastSolidAngle && s < solidAngle_[f]) || (s > largestSolidAngle && s > solidAngle_[f]);
       for (int k = 0; k < 3 && !bad; ++k) {
         const double cosine = p[k].dot(p[(k + 1) % 3]);
         bad = cosine < leastCosine &&

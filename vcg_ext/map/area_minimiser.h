@@ -30,15 +30,15 @@ class AreaMinimiser {
   /// One step: solves the regularised Gauss-Newton system by conjugate gradients with a block-Jacobi preconditioner,
   /// tries lengths 1, 1/2, 1/4 ... of the step, each shortened locally where a face would degenerate, and takes the one
   /// that lowers the energy most. (The first that lowers it at all is a poor choice: far from the solution a long step
-  /// is held up by the faces that it would flip.) Admissible positions stay admissible: solid angles above 1e-14 and
-  /// below 6, no edge growing beyond arccos(-0.9). Returns the ratio of the energy after the step to that before; 1
-  /// when no step lowers it (positions unchanged).
+  /// is held up by the faces that it would flip.) Valid positions stay valid: no solid angle falls below 2e-14 or rises
+  /// above 6, no edge grows beyond arccos(-0.9); what is beyond already gets no worse.
+  /// Returns the ratio of the energy after the step to that before; 1 when no step lowers it (positions unchanged).
   double step(const AreaStepParameters& parameters, Points& positions);
 
  private:
   void assemble(const AreaStepParameters& parameters, const Points& positions);
   void solve(const AreaStepParameters& parameters);
-  void multiply(const std::vector<Tangent>& x, std::vector<Tangent>& y) const;
+  double multiplySearch();
   double take(double length, const AreaStepParameters& parameters, const Points& positions);
 
   const ClosedSurface& surface_;

@@ -3,6 +3,7 @@
 /// share. (The certificate deliberately has its own.)
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 
 #include "vcg_ext/base/matrices.h"
@@ -17,11 +18,14 @@ inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c) {
   return 2 * std::atan2(a.dot(e.cross(g)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
 }
 
-/// The same, and its gradient with respect to a (tangential part; b and c fixed).
-inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c, Vector3& gradient) {
+/// The same, and its gradient with respect to each corner (tangential part).
+inline double solidAngle(const std::array<Vector3, 3>& p, std::array<Vector3, 3>& gradient) {
+  const Vector3 &a = p[0], &b = p[1], &c = p[2];
   const Vector3 e = b - a, g = c - a;
-  const double n = a.dot(e.cross(g)), d = 1 + a.dot(b) + b.dot(c) + c.dot(a);
-  gradient = (2 / (n * n + d * d)) * (d * b.cross(c) - n * (b + c));
+  const double n = a.dot(e.cross(g)), d = 1 + a.dot(b) + b.dot(c) + c.dot(a), factor = 2 / (n * n + d * d);
+  gradient[0] = factor * (d * b.cross(c) - n * (b + c));
+  gradient[1] = factor * (d * c.cross(a) - n * (c + a));
+  gradient[2] = factor * (d * a.cross(b) - n * (a + b));
   return 2 * std::atan2(n, d);
 }
 

@@ -6,6 +6,8 @@
 namespace sphere_propagation {
 namespace {
 
+// Areas of very small or large meshes have squares beyond the range of numbers: hence stableNorm.
+
 Vector3 corner(const Points& vertices, const Triangles& faces, Eigen::Index f, int k) {
   return vertices.row(faces(f, k)).transpose();
 }
@@ -18,7 +20,7 @@ Vector3 areaNormal(const Points& vertices, const Triangles& faces, Eigen::Index 
 
 void normaliseRows(Points& rows) {
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const double length = rows.row(i).norm();
+    const double length = rows.row(i).stableNorm();
     if (length > 0) rows.row(i) /= length;
   }
 }
@@ -27,7 +29,7 @@ void normaliseRows(Points& rows) {
 
 Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces) {
   Eigen::VectorXd areas(faces.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) areas[f] = 0.5 * areaNormal(vertices, faces, f).norm();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) areas[f] = 0.5 * areaNormal(vertices, faces, f).stableNorm();
   return areas;
 }
 
@@ -61,7 +63,7 @@ Points cornerAngles(const Points& vertices, const Triangles& faces) {
     for (int k = 0; k < 3; ++k) {
       const Vector3 p = corner(vertices, faces, f, k);
       const Vector3 a = corner(vertices, faces, f, (k + 1) % 3) - p, b = corner(vertices, faces, f, (k + 2) % 3) - p;
-      angles(f, k) = std::atan2(a.cross(b).norm(), a.dot(b));
+      angles(f, k) = std::atan2(a.cross(b).stableNorm(), a.dot(b));
     }
   return angles;
 }
