@@ -9,7 +9,8 @@ int minimiseInStages(AreaMinimiser& minimiser, const AreaEnergyWeights& weights,
                      const Progress& progress) {
   constexpr double first = 0.3, decay = 0.25;  // of the shape weight, from stage to stage
   constexpr int stepsAtMost = 40;              // of a stage
-  constexpr double enough = 0.985;             // a step that lowers the energy by less ends its stage
+  // A step that lowers the energy by less ends its stage. The shape term alone has a minimum far above 0.
+  const double enough = weights.area > 0 ? 0.985 : 0.999;
   const double last = weights.shape;
   const int stages = last >= first ? 1 : 1 + static_cast<int>(std::ceil(std::log(last / first) / std::log(decay)));
   AreaStepParameters step;
