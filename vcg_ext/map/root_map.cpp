@@ -9,6 +9,7 @@
 #include "vcg_ext/map/area_preserving_map.h"
 #include "vcg_ext/map/brechbuehler_map.h"
 #include "vcg_ext/map/harmonic_map.h"
+#include "vcg_ext/map/tutte_map.h"
 #include "vcg_ext/map/untangling.h"
 
 namespace sphere_propagation {
@@ -16,14 +17,15 @@ namespace {
 
 /// The starts to try, the one that is asked for first.
 std::vector<InitialMap> startsToTry(InitialMap asked) {
-  std::vector<InitialMap> starts{InitialMap::Harmonic, InitialMap::Brechbuehler};
+  std::vector<InitialMap> starts{InitialMap::Harmonic, InitialMap::Brechbuehler, InitialMap::Tutte};
   const auto first = std::find(starts.begin(), starts.end(), asked);
   if (first != starts.end()) std::rotate(starts.begin(), first, first + 1);
   return starts;
 }
 
 Points initialPositions(const ClosedSurface& surface, InitialMap start) {
-  return start == InitialMap::Harmonic ? harmonicPositions(surface) : brechbuehlerPositions(surface);
+  if (start == InitialMap::Brechbuehler) return brechbuehlerPositions(surface);
+  return start == InitialMap::Harmonic ? harmonicPositions(surface) : tuttePositions(surface);
 }
 
 }  // namespace
@@ -34,6 +36,8 @@ std::string nameOf(InitialMap start) {
       return "Brechbuehler";
     case InitialMap::Harmonic:
       return "Harmonic";
+    case InitialMap::Tutte:
+      return "Tutte";
     default:
       return "Automatic";
   }

@@ -10,12 +10,13 @@ namespace sphere_propagation {
 
 /// Where the minimisation of area distortion starts from. The map that it ends in is much the same from either.
 enum class InitialMap {
-  Automatic,     ///< Harmonic, and Brechbuehler where that cannot be made valid
+  Automatic,     ///< the first of Harmonic, Brechbuehler, Tutte that can be made valid
   Brechbuehler,  ///< brechbuehler_map.h, the paper's
   Harmonic,      ///< harmonic_map.h: closer to the end, so about half the steps
+  Tutte,         ///< tutte_map.h: for small or very flat surfaces on which the others fail
 };
 
-/// The start's name as users read it: "Automatic", "Brechbuehler", "Harmonic".
+/// The start's name as users read it: "Automatic", "Brechbuehler", "Harmonic", "Tutte".
 std::string nameOf(InitialMap start);
 
 struct RootMapParameters {
@@ -32,7 +33,7 @@ struct RootMapResult {
 };
 
 /// Initial positions, local repair (untangling.h), then the area-preserving map. A start that cannot be made a valid
-/// map makes way for the other one.
+/// map makes way for the next one, in Automatic's order.
 /// Throws ParameterError when areaWeight is outside [0, 1], and MapError, which names the layer, says for each start
 /// how many faces stay flipped and what to do, when no start can be made valid.
 RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters& parameters = {},
