@@ -24,7 +24,7 @@ constexpr double pi = 3.14159265358979323846;
 /// radius - |x - centre|, on a grid that holds the sphere with room to spare.
 ScalarGrid sphereGrid(double radius, double h, const Vector3& centre) {
   const int n = static_cast<int>(2 * radius / h) + 6;
-  ScalarGrid grid({n, n + 1, n + 2}, centre - Vector3(n / 2 * h, n / 2 * h, n / 2 * h), {h, h, h});
+  ScalarGrid grid({n, n + 1, n + 2}, centre - Vector3::Constant(std::floor(n / 2.0) * h), {h, h, h});
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j)
       for (int i = 0; i < grid.size[0]; ++i) {
@@ -238,6 +238,7 @@ TEST(GaussianSmoothing, KeepsConstantsAndSumsAndDoesNothingAtZero) {
   for (float x : grid.values) EXPECT_NEAR(x, 3, 1e-6);
   EXPECT_THROW(smoothGaussian(grid, -1), ParameterError);
   EXPECT_THROW(smoothGaussian(grid, 1, 0), ParameterError);
+  EXPECT_THROW(smoothGaussian(grid, 1e300), ParameterError);
   EXPECT_THROW(smoothGaussian(grid, std::numeric_limits<double>::quiet_NaN()), ParameterError);
 }
 

@@ -191,14 +191,14 @@ Points harmonicPositions(const ClosedSurface& surface) {
     for (int i = 0; i < punctures; ++i) {
       const int face = sequence.next();
       if (face < 0) break;
-      const Points positions =
+      Points positions =
           turnedLikeShape(balanceByMoebius(projected(system.solve(face), shares), shares), vertices, shares);
       const Certificate certificate = certify(surface.faces(), positions);
       if (certificate.valid()) return positions;
       // A wrong degree is worse than any number of flipped faces.
       const long flaws = certificate.flippedFaces + certificate.notOnSphere +
                          (std::fabs(certificate.degree - 1) < 1e-3 ? 0 : surface.faceCount());
-      if (flaws < fewest) fewest = flaws, best = positions;
+      if (flaws < fewest) fewest = flaws, best = std::move(positions);
     }
   }
   return best;

@@ -18,14 +18,16 @@ int mirrored(int i, int n) {
 }  // namespace
 
 void smoothGaussian(ScalarGrid& grid, double standardDeviation, double truncate) {
-  if (!(standardDeviation >= 0) || !(truncate > 0) || !std::isfinite(standardDeviation * truncate)) {
+  if (!(standardDeviation >= 0) || !(truncate > 0) || !(standardDeviation * truncate <= 1e4)) {
     std::ostringstream text;
-    text << "Smoothing: the standard deviation must be at least 0 and the truncation above 0, but they are "
+    text << "Smoothing: the standard deviation must be at least 0, the truncation above 0 and their product at most "
+            "10000, "
+            "but they are "
          << standardDeviation << " and " << truncate << ".";
     throw ParameterError(text.str());
   }
   if (standardDeviation == 0 || grid.values.empty()) return;
-  const int radius = static_cast<int>(truncate * standardDeviation + 0.5);
+  const int radius = static_cast<int>(std::lround(truncate * standardDeviation));
   std::vector<double> kernel;
   double sum = 0;
   for (int x = -radius; x <= radius; ++x) {
@@ -37,12 +39,12 @@ void smoothGaussian(ScalarGrid& grid, double standardDeviation, double truncate)
   size_t stride = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const int n = grid.size[axis];
-    std::vector<double> line(static_cast<size_t>(n + 2 * radius));
+    std::vector<double> line(static_cast<size_t>(n) + 2 * static_cast<size_t>(radius));
     for (size_t start = 0; start < grid.values.size(); ++start) {
       if ((start / stride) % static_cast<size_t>(n) != 0) continue;  // not the first sample of a line
-      for (int i = -radius; i < n + radius; ++i)
-        line[static_cast<size_t>(i + radius)] =
-            static_cast<double>(grid.values[start + stride * static_cast<size_t>(mirrored(i, n))]);
+      for (size_t i = 0; i < line.size(); ++i)
+        line[i] = static_cast<double>(
+            grid.values[start + stride * static_cast<size_t>(mirrored(static_cast<int>(i) - radius, n))]);
       for (int i = 0; i < n; ++i) {
         double value = 0;
         for (size_t x = 0; x < kernel.size(); ++x) value += kernel[x] * line[static_cast<size_t>(i) + x];

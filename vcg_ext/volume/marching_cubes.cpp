@@ -92,7 +92,7 @@ class Marcher {
     }
     if (!any || all) return;
     cell_ = {i, j, k};
-    std::array<int, 12> next;
+    std::array<int, 12> next{};  // edge by edge along the outlines, -1 where none passes
     next.fill(-1);
     for (size_t f = 0; f < 6; ++f) traceFace(f, next);
     for (size_t start = 0; start < 12; ++start) {

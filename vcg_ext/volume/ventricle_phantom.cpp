@@ -180,6 +180,7 @@ Vector3 VentriclePhantom::position(double u, double theta, double phase, double 
 Points VentriclePhantom::sheet(int rows, int columns, double phase, double m) const {
   const double c = contraction(phase);
   std::vector<Meridian> meridians;
+  meridians.reserve(static_cast<size_t>(columns));
   for (int j = 0; j < columns; ++j) meridians.push_back(meridian(2 * pi * j / columns));
   Points points(static_cast<Eigen::Index>(rows) * columns, 3);
   for (int i = 0; i < rows; ++i) {

@@ -69,7 +69,7 @@ class VentriclePhantom {
 
   PhantomParameters parameters_;
   double twist_, a_, b_, length_, infarctTheta_, infarctU_, bend_;
-  std::array<double, 4> bulge_;
+  std::array<double, 4> bulge_{};
 };
 
 }  // namespace sphere_propagation
