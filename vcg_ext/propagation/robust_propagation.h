@@ -18,6 +18,12 @@ struct RobustPropagation {
 };
 
 /// One arc of the propagation tree: brings the reference onto the target, then transferMap (map_transfer.h).
+///
+/// Brought onto it: centroids together, the paper's rigid alignment (rigid_alignment.h), then an affine one by closest
+/// surface points with agreeing normals, all of the surface weighing the same, damped. The paper's scaling by principal
+/// axes, either way round, is no help on beating ventricles: their axes turn and change places. An affine fit sees the
+/// surfaces themselves.
+///
 /// reference: the surface that has a map, referenceMap: that map; target: the surface that gets one.
 /// Throws ParameterError when referenceMap is no map of the reference, MapError, which names the target, when the
 /// result cannot be repaired.
