@@ -1,0 +1,16 @@
+#include "filter_sphere_propagation/filters.h"
+
+namespace sphere_propagation {
+
+std::vector<std::unique_ptr<host::Filter>> makeFilters() {
+  std::vector<std::unique_ptr<host::Filter>> filters;
+  filters.push_back(makePhantomFilter());
+  filters.push_back(makeRootFilter());
+  filters.push_back(makePropagationFilter());
+  filters.push_back(makeRemeshingFilter());
+  filters.push_back(makeEvaluationFilter());
+  filters.push_back(makeSphereLayersFilter());
+  return filters;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,21 @@
+#pragma once
+/// The filters of the plugin, in the order in which a user needs them.
+
+#include <memory>
+#include <vector>
+
+#include "host/filter.h"
+
+namespace sphere_propagation {
+
+std::unique_ptr<host::Filter> makePhantomFilter();       ///< Beating ventricle phantom
+std::unique_ptr<host::Filter> makeRootFilter();          ///< Spherical parameterise root
+std::unique_ptr<host::Filter> makePropagationFilter();   ///< Propagate parameterisation to layers
+std::unique_ptr<host::Filter> makeRemeshingFilter();     ///< Remesh by icosphere
+std::unique_ptr<host::Filter> makeEvaluationFilter();    ///< Evaluate spherical parameterisation
+std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisation as sphere layers
+
+/// All of them.
+std::vector<std::unique_ptr<host::Filter>> makeFilters();
+
+}  // namespace sphere_propagation

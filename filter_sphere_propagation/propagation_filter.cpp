@@ -1,0 +1,242 @@
+// "Propagate parameterisation to layers": the root's map is handed along a tree to all other surfaces.
+
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <utility>
+
+#include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/propagation/propagation.h"
+#include "vcg_ext/propagation/similarity_tree.h"
+
+namespace sphere_propagation {
+namespace {
+
+enum class Order { Time, CyclicTime, SimilarityTree, Star, Given };
+
+/// "1, 2, -1 2": numbers between anything that is no digit or sign.
+std::vector<int> parseNumbers(const std::string& text) {
+  std::string spaced = text;
+  std::replace_if(
+      spaced.begin(), spaced.end(), [](unsigned char c) { return c == ',' || c == ';' || std::isspace(c) != 0; }, ' ');
+  std::istringstream stream(spaced);
+  std::vector<int> numbers;
+  for (std::string word; stream >> word;) {
+    size_t used = 0;
+    int number = 0;
+    try {
+      number = std::stoi(word, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used != word.size())
+      throw ParameterError("parents: \"" + word + "\" is no layer number. Give one number per layer, -1 for the root.");
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+/// The layers that take part, and which of them is the root.
+struct Sequence {
+  std::vector<host::Layer> layers;
+  std::vector<MeshSurface> meshes;
+  int root = -1;
+
+  int indexOf(int layerId) const {
+    for (size_t i = 0; i < layers.size(); ++i)
+      if (layers[i].id() == layerId) return static_cast<int>(i);
+    return -1;
+  }
+};
+
+/// The tree from the user's list of layer numbers.
+PropagationTree givenTree(const Sequence& sequence, const std::string& text) {
+  std::vector<int> parents = parseNumbers(text);
+  if (parents.size() != sequence.layers.size())
+    throw ParameterError("parents: " + counted(static_cast<long>(parents.size()), "number", "numbers") + " for " +
+                         counted(static_cast<long>(sequence.layers.size()), "surface layer", "surface layers") +
+                         ". Give one layer number per visible surface layer, in layer order, -1 for the root.");
+  for (size_t i = 0; i < parents.size(); ++i) {
+    if (parents[i] < 0) continue;
+    const int index = sequence.indexOf(parents[i]);
+    if (index < 0)
+      throw ParameterError("parents: layer \"" + sequence.layers[i].label() + "\" is to get its map from layer " +
+                           std::to_string(parents[i]) + ", which is no visible surface layer.");
+    parents[i] = index;
+  }
+  return givenOrder(parents);
+}
+
+class PropagationFilter : public host::Filter {
+ public:
+  host::FilterDescription describe() const override {
+    return {"Propagate parameterisation to layers", "transfer_spherical_parameterisation_to_layers",
+            "Hands the root's map to the unit sphere on to all other visible surface layers, along a tree of layers, so "
+            "that the same point of the sphere means the same place on every layer. Layer order is time order. Layers of "
+            "landmarks, of spheres and of shape models are told apart by what they are and left alone; a layer's matrix counts. "
+            "Every map that is stored is <b>certified valid</b>.<br><br>"
+            "<b>Robust</b>: the parent is brought onto the layer rigidly, each vertex takes the sphere position at the "
+            "closest point whose normal agrees, and faces that flip are untangled locally.<br>"
+            "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
+            "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
+            "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
+            "came from, -1 for the root; <b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from the "
+            "parent brought onto it, in the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the repair; " +
+                mapFiguresInfo() + "<br><br>" + paperReference(),
+            host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
+  }
+
+  std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
+    const PublishedParameters published;
+    return {{"root_layer", "Root layer", "The layer whose map is handed on. It must have one: \"Spherical parameterise root\".",
+             host::Parameter::LayerId{defaultRootId(layers)}},
+            {"method", "Method", "How a map gets from one layer to the next; see above.",
+             host::Parameter::Choice{{"Robust", "As published"}, 0}},
+            {"order", "Order",
+             "Which layer hands its map to which. Time: from the root to its neighbours in layer order, both ways (the "
+             "paper's). Cyclic time: both ways round a cycle, the last layer being next to the first. Similarity tree: the tree "
+             "that links shapes most alike, for layers in no order. Star: from the root to each. Given: as in "
+             "\"Parents\".",
+             host::Parameter::Choice{{"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}},
+            {"parents", "Parents",
+             "For the order Given: one layer number (as the layer dialog shows it) per visible surface layer, in layer order: "
+             "the layer that its map comes from, -1 for the root. For example \"-1, 0, 1, 1\".",
+             std::string()},
+            {"area_restoration", "Area restoration",
+             "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps what was propagated: "
+             "tissue that stretches keeps its share of the sphere.",
+             0.0},
+            host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
+                            "As published: scale each layer to the extents of its parent along the principal axes before "
+                            "corresponding vertices are looked for.",
+                            published.anisotropicScaling}
+                .asAdvanced(),
+            host::Parameter{"icp_iterations", "ICP iterations", "As published: iterations of the rigid alignment, at most.",
+                            published.icpIterations}
+                .asAdvanced(),
+            host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
+                            "As published: sweeps that smooth the map over the sphere.", published.smoothingSweeps}
+                .asAdvanced()};
+  }
+
+  host::Outputs run(host::Task& task) const override {
+    const Sequence sequence = readSequence(task);
+    const MeshSurface& rootMesh = sequence.meshes[static_cast<size_t>(sequence.root)];
+    const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
+    const std::optional<SphereMap> rootMap = rootLayer.map(rootMesh);
+    if (!rootMap)
+      throw MapError(0, -1, "Layer \"" + rootLayer.label() +
+                                "\" is the root and has no map. Make it the current layer and run \"Spherical parameterise "
+                                "root\", or choose a root layer that has a map.");
+    std::vector<ClosedSurface> surfaces;
+    surfaces.reserve(sequence.meshes.size());
+    for (const MeshSurface& mesh : sequence.meshes) surfaces.push_back(mesh.surface);
+    const PropagationTree tree = makeTree(task, sequence, surfaces);
+
+    PropagationParameters parameters;
+    parameters.method = task.values.choice("method") == 1 ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+    parameters.areaRestoration = task.values.real("area_restoration");
+    parameters.published.anisotropicScaling = task.values.flag("anisotropic_scaling");
+    parameters.published.icpIterations = task.values.integer("icp_iterations");
+    parameters.published.smoothingSweeps = task.values.integer("smoothing_sweeps");
+    const std::vector<PropagatedLayer> propagated =
+        propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+    return write(task, sequence, propagated);
+  }
+
+ private:
+  /// The current layer if it has a map, else the first surface layer that has one, else the current layer.
+  static int defaultRootId(const host::Layers& layers) {
+    const int current = layers.currentId();
+    if (const auto layer = layers.find(current); layer && layer->kind() == host::LayerKind::Surface && layer->hasMap())
+      return current;
+    for (const host::Layer& layer : layers.visible(host::LayerKind::Surface))
+      if (layer.hasMap()) return layer.id();
+    return current;
+  }
+
+  static Sequence readSequence(host::Task& task) {
+    Sequence sequence;
+    sequence.layers = task.layers.visibleSurfaces();
+    const int rootId = task.values.layerId("root_layer");
+    sequence.root = sequence.indexOf(rootId);
+    if (sequence.root < 0) {
+      const auto layer = task.layers.find(rootId);
+      throw ParameterError(layer ? "Layer \"" + layer->label() +
+                                       "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere or of a "
+                                       "shape model. Show it, or choose a visible surface layer."
+                                 : "There is no layer " + std::to_string(rootId) + " to be the root.");
+    }
+    if (sequence.layers.size() == 1)
+      throw ParameterError("Layer \"" + sequence.layers[0].label() +
+                           "\" is the only visible surface: there is nothing to propagate its map to. Load or show the "
+                           "other layers.");
+    const double count = static_cast<double>(sequence.layers.size());
+    for (size_t i = 0; i < sequence.layers.size(); ++i) {
+      sequence.meshes.push_back(sequence.layers[i].surface());
+      report(task.progress, 0.05 * static_cast<double>(i + 1) / count);
+    }
+    return sequence;
+  }
+
+  static PropagationTree makeTree(host::Task& task, const Sequence& sequence, const std::vector<ClosedSurface>& surfaces) {
+    const int count = static_cast<int>(surfaces.size());
+    switch (static_cast<Order>(task.values.choice("order"))) {
+      case Order::Time: return timeOrder(count, sequence.root);
+      case Order::CyclicTime: return cyclicTimeOrder(count, sequence.root);
+      case Order::SimilarityTree: return similarityTree(surfaces, sequence.root).tree;
+      case Order::Star: return star(count, sequence.root);
+      case Order::Given: break;
+    }
+    const PropagationTree tree = givenTree(sequence, task.values.text("parents"));
+    if (tree.root() != sequence.root)
+      throw ParameterError("parents: the root (-1) is layer \"" + sequence.layers[static_cast<size_t>(tree.root())].label() +
+                           "\", but root_layer is \"" + sequence.layers[static_cast<size_t>(sequence.root)].label() +
+                           "\". Make them the same.");
+    return tree;
+  }
+
+  static host::Outputs write(host::Task& task, const Sequence& sequence, const std::vector<PropagatedLayer>& propagated) {
+    const size_t count = sequence.layers.size();
+    MapFigures figures(count);
+    const auto entries = static_cast<Eigen::Index>(count);
+    Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries), repairedFaces(entries);
+    for (size_t i = 0; i < count; ++i) {
+      const PropagatedLayer& layer = propagated[i];
+      const auto row = static_cast<Eigen::Index>(i);
+      const MapMeasures measures = measureMap(sequence.meshes[i].surface, layer.map.positions());
+      figures.set(i, measures, layer.seconds);
+      const bool isRoot = layer.parent < 0;
+      const std::string from = isRoot ? "" : sequence.layers[static_cast<size_t>(layer.parent)].label();
+      parent[row] = isRoot ? -1 : sequence.layers[static_cast<size_t>(layer.parent)].id();
+      residualMean[row] = layer.residualMean;
+      residualP95[row] = layer.residualP95;
+      repairedFaces[row] = layer.repairedFaces;
+      std::string line = describeMap(sequence.layers[i].label(), sequence.meshes[i].surface, measures);
+      if (isRoot) {
+        line += " (root)";
+      } else {
+        const std::string note = task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map);
+        if (!note.empty()) task.log(note);
+        line += ", from " + from + " with residual " + shortNumber(layer.residualMean) + " (95 % below " +
+                shortNumber(layer.residualP95) + "), " + counted(layer.repairedFaces, "face", "faces") + " repaired, " +
+                shortNumber(layer.seconds) + " s";
+      }
+      task.log(line);
+      report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
+    }
+    host::Outputs outputs = {{"parent", parent},
+                             {"residual_mean", residualMean},
+                             {"residual_p95", residualP95},
+                             {"repaired_faces", repairedFaces}};
+    figures.addTo(outputs);
+    return outputs;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<host::Filter> makePropagationFilter() { return std::make_unique<PropagationFilter>(); }
+
+}  // namespace sphere_propagation

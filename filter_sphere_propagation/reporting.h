@@ -1,0 +1,48 @@
+#pragma once
+/// What several filters tell the user in the same words: log lines, returned figures, references.
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "host/filter.h"
+#include "vcg_ext/map/map_measures.h"
+
+namespace sphere_propagation {
+
+/// Wall-clock time since it was made.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A number with three significant digits.
+std::string shortNumber(double value);
+
+/// `1 vertex`, `12 vertices`.
+std::string counted(long count, const std::string& noun, const std::string& plural);
+
+/// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
+std::string describeMap(const std::string& label, const ClosedSurface& surface, const MapMeasures& measures);
+
+/// The figures of the maps of several layers, as they are returned: one entry per layer.
+class MapFigures {
+ public:
+  explicit MapFigures(size_t layers);
+  void set(size_t layer, const MapMeasures& measures, double seconds);
+  void addTo(host::Outputs& outputs) const;
+
+ private:
+  Eigen::VectorXd flippedFaces_, areaRatioSd_, areaLogMean_, angleErrorMean_, seconds_;
+};
+
+/// HTML: the keys that MapFigures returns, for filterInfo.
+std::string mapFiguresInfo();
+
+/// HTML: the paper that the plugin implements.
+std::string paperReference();
+
+}  // namespace sphere_propagation
