@@ -1,0 +1,221 @@
+#include "vcg_ext/propagation/propagation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/map/area_restoration.h"
+#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/propagation/robust_propagation.h"
+
+namespace sphere_propagation {
+namespace {
+
+using test::Mesh;
+
+ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface") {
+  return ClosedSurface(mesh.vertices, mesh.faces, name);
+}
+
+double largestDistance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
+
+Eigen::Matrix3d turnAbout(const Vector3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
+
+/// An ellipsoid that grows thinner, on meshes that have nothing to do with each other.
+struct Sequence {
+  std::vector<ClosedSurface> surfaces;
+  explicit Sequence(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
+    for (int i = 0; i < layers; ++i) {
+      // Turning the sphere before it is stretched gives the same ellipsoid by other vertices.
+      Mesh mesh = test::transformed(test::icosphereMesh(6 + i % 2), test::randomRotation(100 + i), 1, Vector3::Zero());
+      mesh.vertices *= Vector3(30, 20 - i, 15 - 0.5 * i).asDiagonal();
+      surfaces.push_back(
+          surfaceOf(test::transformed(mesh, rotation, 1, Vector3(5, i, 0)), "phase " + std::to_string(i)));
+    }
+  }
+  SphereMap map(int layer) const {  // the central projection: valid for what is convex about its middle
+    Points positions = surfaces[layer].vertices();
+    positions.rowwise() -= positions.colwise().mean().eval();
+    positions.rowwise().normalize();
+    return SphereMap(surfaces[layer], positions);
+  }
+};
+
+TEST(RobustPropagation, ToTheSameSurfaceIsTheIdentity) {
+  const ClosedSurface surface = surfaceOf(test::noisyEllipsoid(1));
+  const SphereMap map(surface, test::icosphereMesh(8).vertices);
+  const RobustPropagation result = propagateRobustly(surface, map, surface);
+  EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-12);
+  EXPECT_EQ(result.repairedFaces, 0);
+  EXPECT_LT(result.residualMean, 1e-12);
+  EXPECT_LT(result.residualP95, 1e-12);
+}
+
+TEST(RobustPropagation, ToARigidlyMovedCopyIsTheIdentity) {
+  const Mesh mesh = test::noisyEllipsoid(2);
+  const ClosedSurface reference = surfaceOf(mesh);
+  const SphereMap map(reference, test::icosphereMesh(8).vertices);
+  const Mesh moved = test::transformed(mesh, turnAbout(Vector3(1, 2, 3), 0.15), 1, Vector3(100, 0, -7));
+  const RobustPropagation result = propagateRobustly(reference, map, surfaceOf(moved));
+  EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-9);
+  EXPECT_LT(result.residualP95, 1e-9);
+}
+
+TEST(RobustPropagation, FollowsADilation) {
+  const Mesh mesh = test::noisyEllipsoid(3);
+  const ClosedSurface reference = surfaceOf(mesh);
+  const SphereMap map(reference, test::icosphereMesh(8).vertices);
+  Mesh dilated = mesh;
+  dilated.vertices *= Vector3(1.1, 0.95, 0.9).asDiagonal();
+  const RobustPropagation result = propagateRobustly(reference, map, surfaceOf(dilated));
+  EXPECT_LT((result.map.positions() - map.positions()).rowwise().norm().mean(), 0.03);
+}
+
+TEST(RobustPropagation, TurnsWithTheSurfacesAndIgnoresScale) {
+  const Sequence sequence(2);
+  const SphereMap map = sequence.map(0);
+  const RobustPropagation here = propagateRobustly(sequence.surfaces[0], map, sequence.surfaces[1]);
+  const Eigen::Matrix3d rotation = test::randomRotation(7);
+  for (double scale : {0.01, 1.0, 1000.0}) {
+    const auto moved = [&](int i) {
+      const ClosedSurface& surface = sequence.surfaces[i];
+      return surfaceOf(test::transformed({surface.vertices(), surface.faces()}, rotation, scale, Vector3(9, i, -40)));
+    };
+    const ClosedSurface reference = moved(0), target = moved(1);
+    const RobustPropagation there = propagateRobustly(reference, SphereMap(reference, map.positions()), target);
+    EXPECT_LT(largestDistance(there.map.positions(), here.map.positions()), 1e-9);
+    EXPECT_NEAR(there.residualMean, scale * here.residualMean, 1e-9 * scale);
+  }
+}
+
+TEST(Propagation, GoesAlongTheTree) {
+  const Sequence sequence(5);
+  for (const PropagationTree& tree :
+       {timeOrder(5, 2), cyclicTimeOrder(5, 2), star(5, 2), givenOrder({4, 0, -1, 2, 2})}) {
+    const SphereMap root = sequence.map(2);
+    const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, tree);
+    ASSERT_EQ(layers.size(), 5U);
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_EQ(layers[i].parent, tree.parent[i]);
+      EXPECT_TRUE(certify(sequence.surfaces[i].faces(), layers[i].map.positions()).valid());
+      if (i == 2) continue;
+      const int parent = tree.parent[i];
+      const RobustPropagation arc =
+          propagateRobustly(sequence.surfaces[parent], layers[parent].map, sequence.surfaces[i]);
+      EXPECT_EQ(layers[i].map.positions(), arc.map.positions());
+      EXPECT_EQ(layers[i].repairedFaces, arc.repairedFaces);
+      EXPECT_EQ(layers[i].residualMean, arc.residualMean);
+      EXPECT_EQ(layers[i].residualP95, arc.residualP95);
+      EXPECT_GT(layers[i].seconds, 0);
+      // The ellipsoids are images of each other, and the map says so.
+      EXPECT_LT((layers[i].map.positions() - sequence.map(i).positions()).rowwise().norm().mean(), 0.1) << i;
+    }
+    EXPECT_EQ(layers[2].map.positions(), root.positions());
+    EXPECT_EQ(layers[2].repairedFaces, 0);
+    EXPECT_EQ(layers[2].residualMean, 0);
+    EXPECT_EQ(layers[2].seconds, 0);
+  }
+}
+
+TEST(Propagation, AsPublishedTakesItsParameters) {
+  const Sequence sequence(3);
+  const SphereMap root = sequence.map(0);
+  PropagationParameters parameters;
+  parameters.method = PropagationMethod::AsPublished;
+  parameters.published.smoothingSweeps = 3;
+  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0), parameters);
+  const PublishedPropagation arc =
+      propagateAsPublished(sequence.surfaces[1], layers[1].map, sequence.surfaces[2], parameters.published);
+  EXPECT_EQ(layers[2].map.positions(), arc.map.positions());
+  EXPECT_EQ(layers[2].residualP95, arc.residualP95);
+  EXPECT_NE(layers[2].map.positions(), propagate(sequence.surfaces, root, timeOrder(3, 0))[2].map.positions());
+}
+
+TEST(Propagation, WhatIsRestoredDoesNotGoDownTheTree) {
+  const Sequence sequence(3);
+  const SphereMap root = sequence.map(0);
+  const PropagationTree tree = timeOrder(3, 0);
+  const std::vector<PropagatedLayer> plain = propagate(sequence.surfaces, root, tree);
+  const std::vector<PropagatedLayer> restored =
+      propagate(sequence.surfaces, root, tree, {PropagationMethod::Robust, {}, 0.5});
+  EXPECT_EQ(restored[0].map.positions(), root.positions());
+  for (int i : {1, 2}) {
+    EXPECT_EQ(restored[i].map.positions(), restoreArea(sequence.surfaces[i], plain[i].map, 0.5).positions());
+    EXPECT_NE(restored[i].map.positions(), plain[i].map.positions());
+    EXPECT_EQ(restored[i].residualMean, plain[i].residualMean);
+  }
+}
+
+TEST(Propagation, TellsItsProgress) {
+  const Sequence sequence(4);
+  for (double restoration : {0.0, 0.3}) {
+    std::vector<double> told;
+    const std::thread::id here = std::this_thread::get_id();
+    propagate(sequence.surfaces, sequence.map(1), timeOrder(4, 1), {PropagationMethod::Robust, {}, restoration},
+              [&](double fraction) {
+                EXPECT_EQ(std::this_thread::get_id(), here);
+                if (!told.empty()) {
+                  EXPECT_GE(fraction, told.back());
+                }
+                told.push_back(fraction);
+              });
+    EXPECT_EQ(told.front(), 0);
+    EXPECT_DOUBLE_EQ(told.back(), 1);
+    EXPECT_GE(told.size(), 4U);
+  }
+}
+
+TEST(Propagation, OneLayerIsTheRoot) {
+  const Sequence sequence(1);
+  std::vector<double> told;
+  const std::vector<PropagatedLayer> layers =
+      propagate(sequence.surfaces, sequence.map(0), star(1, 0), {}, [&](double fraction) { told.push_back(fraction); });
+  ASSERT_EQ(layers.size(), 1U);
+  EXPECT_EQ(layers[0].parent, -1);
+  EXPECT_EQ(told.back(), 1);
+}
+
+TEST(Propagation, AnErrorNamesTheLayer) {
+  // A flat double cover, and the same with its faces reversed: each side is read off the other.
+  Mesh flat = test::tetrahedron(), reversed;
+  flat.vertices << 3, 1, 0, -3, 2, 0, -2, -1, 0, 2, -2, 0;
+  reversed = flat;
+  reversed.faces.col(1).swap(reversed.faces.col(2));
+  const std::vector<ClosedSurface> surfaces = {surfaceOf(flat, "first phase"), surfaceOf(flat, "second phase"),
+                                               surfaceOf(reversed, "third phase")};
+  const SphereMap root(surfaces[0], test::tetrahedron().vertices);
+  for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
+    PropagationParameters parameters;
+    parameters.method = method;
+    parameters.published.smoothingSweeps = 0;  // four vertices shrink to a point
+    try {
+      propagate(surfaces, root, timeOrder(3, 0), parameters);
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("third phase"), std::string::npos) << text;
+      EXPECT_NE(text.find("second phase"), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(Propagation, RefusesWhatDoesNotFit) {
+  const Sequence sequence(3);
+  const SphereMap root = sequence.map(0);
+  EXPECT_THROW(propagate({}, root, star(1, 0)), ParameterError);
+  EXPECT_THROW(propagate(sequence.surfaces, root, star(2, 0)), ParameterError);
+  EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 1)), ParameterError);  // another number of vertices
+  for (double restoration : {-0.1, 1.1})
+    EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 0), {PropagationMethod::Robust, {}, restoration}),
+                 ParameterError);
+}
+
+}  // namespace
+}  // namespace sphere_propagation
