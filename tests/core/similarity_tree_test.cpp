@@ -1,0 +1,158 @@
+#include "vcg_ext/propagation/similarity_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+namespace {
+
+using test::Mesh;
+
+ClosedSurface surfaceOf(const Mesh& mesh) { return ClosedSurface(mesh.vertices, mesh.faces); }
+
+/// Ellipsoids whose longest axis is 30 + step[i], of other meshes, each somewhere else.
+std::vector<ClosedSurface> family(const std::vector<int>& steps, bool turned) {
+  std::vector<ClosedSurface> surfaces;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    Mesh mesh = test::transformed(test::icosphereMesh(9 + steps[i] % 3), test::randomRotation(50 + steps[i]), 1,
+                                  Vector3::Zero());
+    mesh.vertices *= Vector3(30 + 2 * steps[i], 20, 12).asDiagonal();
+    const auto seed = static_cast<unsigned>(i);
+    const Eigen::Matrix3d rotation = turned ? test::randomRotation(seed) : Eigen::Matrix3d::Identity();
+    surfaces.push_back(surfaceOf(test::transformed(mesh, rotation, 1, Vector3(i, 2, 3))));
+  }
+  return surfaces;
+}
+
+TEST(ShapeDistances, AreNothingBetweenMovedCopies) {
+  const Mesh mesh = test::noisyEllipsoid(1);
+  std::vector<ClosedSurface> copies{surfaceOf(mesh)};
+  for (unsigned seed = 0; seed < 4; ++seed)
+    copies.push_back(surfaceOf(test::transformed(mesh, test::randomRotation(seed), 1, Vector3(seed, 100, -3))));
+  EXPECT_LT(shapeDistances(copies).maxCoeff(), 1e-10);
+}
+
+TEST(ShapeDistances, KeepTheScale) {
+  const Mesh mesh = test::ellipsoid(10, 10, 10, 6);
+  const auto scaled = [&](double scale) {
+    return surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), scale, Vector3::Zero()));
+  };
+  const Eigen::MatrixXd distances = shapeDistances({scaled(1), scaled(1.1), scaled(1.3)});
+  EXPECT_NEAR(distances(0, 1), 1, 0.05);
+  EXPECT_NEAR(distances(0, 2), 3, 0.15);
+  EXPECT_NEAR(distances(1, 2), 2, 0.1);
+  EXPECT_EQ(distances, distances.transpose());
+  EXPECT_EQ(distances.diagonal(), Eigen::Vector3d::Zero());
+}
+
+TEST(ShapeDistances, TurnWithNothing) {
+  const std::vector<int> steps = {0, 3, 1, 5};
+  const Eigen::MatrixXd here = shapeDistances(family(steps, false)), there = shapeDistances(family(steps, true));
+  EXPECT_LT((here - there).cwiseAbs().maxCoeff(), 0.15);  // another start may end a little elsewhere
+}
+
+TEST(ShapeDistances, AreTheSameEveryTime) {
+  const std::vector<ClosedSurface> surfaces = family({2, 0, 1}, true);
+  EXPECT_EQ(shapeDistances(surfaces), shapeDistances(surfaces));
+}
+
+TEST(ShapeDistances, OfTheSmallestMeshes) {
+  const std::vector<ClosedSurface> surfaces = {surfaceOf(test::tetrahedron()), surfaceOf(test::octahedron())};
+  const Eigen::MatrixXd distances = shapeDistances(surfaces);
+  EXPECT_TRUE(distances.allFinite());
+  EXPECT_GT(distances(0, 1), 0);
+  EXPECT_EQ(shapeDistances({}).size(), 0);
+}
+
+TEST(MinimumSpanningTree, ByHand) {
+  Eigen::MatrixXd d(4, 4);
+  d << 0, 1, 4, 9,  //
+      1, 0, 2, 5,   //
+      4, 2, 0, 3,   //
+      9, 5, 3, 0;
+  const PropagationTree tree = minimumSpanningTree(d, 2);
+  EXPECT_EQ(tree.parent, (std::vector<int>{1, 2, -1, 2}));
+  EXPECT_EQ(tree.order, (std::vector<int>{2, 1, 0, 3}));
+}
+
+TEST(MinimumSpanningTree, IsNoLongerThanAnyOther) {
+  test::Random random(4);
+  const int n = 5;
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(n, n);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) d(i, j) = d(j, i) = random.uniform();
+    const int root = random.index(n);
+    const PropagationTree tree = minimumSpanningTree(d, root);
+    double length = 0;
+    for (int i = 0; i < n; ++i)
+      if (i != root) length += d(i, tree.parent[i]);
+    // All n^(n-1) lists of parents, those that are trees.
+    for (int code = 0; code < 5 * 5 * 5 * 5 * 5; ++code) {
+      std::vector<int> parent(n);
+      for (int i = 0, rest = code; i < n; ++i, rest /= n) parent[i] = rest % n;
+      parent[root] = -1;
+      double other = 0;
+      bool isTree = true;
+      for (int i = 0; i < n; ++i) {
+        int at = i, steps = 0;
+        while (at >= 0 && steps++ <= n) at = parent[at];
+        isTree = isTree && at < 0;
+        if (i != root) other += d(i, parent[i]);
+      }
+      if (isTree) {
+        ASSERT_LE(length, other + 1e-15);
+      }
+    }
+    EXPECT_EQ(givenOrder(tree.parent).root(), root);
+  }
+}
+
+TEST(MinimumSpanningTree, EqualDistancesMakeAStar) {
+  const Eigen::MatrixXd d = Eigen::MatrixXd::Ones(4, 4) - Eigen::MatrixXd::Identity(4, 4);
+  EXPECT_EQ(minimumSpanningTree(d, 0).parent, (std::vector<int>{-1, 0, 0, 0}));
+  EXPECT_EQ(minimumSpanningTree(d, 0).order, (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(MinimumSpanningTree, RefusesWhatIsNone) {
+  EXPECT_THROW(minimumSpanningTree(Eigen::MatrixXd::Zero(3, 2), 0), ParameterError);
+  EXPECT_THROW(minimumSpanningTree(Eigen::MatrixXd::Zero(0, 0), 0), ParameterError);
+  EXPECT_THROW(minimumSpanningTree(Eigen::MatrixXd::Zero(3, 3), 3), ParameterError);
+  EXPECT_THROW(minimumSpanningTree(Eigen::MatrixXd::Zero(3, 3), -1), ParameterError);
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(3, 3);
+  d(0, 1) = 1;
+  EXPECT_THROW(minimumSpanningTree(d, 0), ParameterError);
+  d(1, 0) = d(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(minimumSpanningTree(d, 0), ParameterError);
+}
+
+TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
+  const std::vector<int> steps = {3, 0, 5, 1, 6, 2, 4};  // shuffled
+  for (bool turned : {false, true})
+    for (int root = 0; root < 7; ++root) {
+      const SimilarityTree similarity = similarityTree(family(steps, turned), root);
+      EXPECT_EQ(similarity.tree.root(), root);
+      for (int i = 0; i < 7; ++i) {
+        if (i == root) continue;
+        const int parent = similarity.tree.parent[i];
+        EXPECT_EQ(std::abs(steps[i] - steps[parent]), 1) << i << " <- " << parent;
+      }
+    }
+}
+
+TEST(SimilarityTree, OneLayerAndNone) {
+  const std::vector<ClosedSurface> one = family({0}, false);
+  EXPECT_EQ(similarityTree(one, 0).tree.parent, (std::vector<int>{-1}));
+  EXPECT_THROW(similarityTree(one, 1), ParameterError);
+  EXPECT_THROW(similarityTree({}, 0), ParameterError);
+}
+
+}  // namespace
+}  // namespace sphere_propagation
