@@ -40,7 +40,7 @@ std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& fac
     target.weight = std::sqrt(areas[f] * mean);
     std::array<Vector3, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = vertices.row(faces(f, k)).transpose();
-    std::array<double, 3> squared;  // length of the edge opposite each corner
+    std::array<double, 3> squared{};  // length of the edge opposite each corner
     for (int k = 0; k < 3; ++k) squared[k] = (p[(k + 1) % 3] - p[(k + 2) % 3]).squaredNorm();
     const double sum = squared[0] + squared[1] + squared[2];
     const double area = std::max(0.5 * (p[1] - p[0]).cross(p[2] - p[0]).stableNorm(), leastFlatness * sum);

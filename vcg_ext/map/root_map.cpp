@@ -62,7 +62,13 @@ RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters&
     AreaPreservingResult result =
         makeAreaPreserving(surface, initial->map, {parameters.areaWeight}, part(progress, startsShare, 1));
     std::string note;
-    if (!failures.empty()) note = layer + ": the initial map is " + nameOf(start) + ", since " + failures + ".";
+    if (!failures.empty())
+      note.append(layer)
+          .append(": the initial map is ")
+          .append(nameOf(start))
+          .append(", since ")
+          .append(failures)
+          .append(".");
     return {std::move(result.map), start, initial->repairedFaces, result.steps, std::move(note)};
   }
   throw MapError(fewest, first,
