@@ -164,6 +164,91 @@ Mesh rings(double least) {
   return mesh;
 }
 
+Mesh cup(double thickness, int around, int along) {
+  constexpr double depth = 1.2;
+  constexpr int rim = 2;         // rings between the outer and the inner edge
+  std::vector<Vector2> profile;  // radius and height, from the outer apex over the rim to the inner one
+  const double inner = 1 - thickness;
+  for (int i = 1; i <= along; ++i) {
+    const double angle = pi / 2 * i / along;
+    profile.emplace_back(std::sin(angle), -depth * std::cos(angle));
+  }
+  for (int i = 1; i <= rim; ++i) profile.emplace_back(1 - thickness * i / (rim + 1), 0);
+  for (int i = along; i >= 1; --i) {
+    const double angle = pi / 2 * i / along;
+    profile.emplace_back(inner * std::sin(angle), -inner * depth * std::cos(angle));
+  }
+  const int count = static_cast<int>(profile.size());
+  Mesh mesh;
+  mesh.vertices.resize(2 + count * around, 3);
+  mesh.vertices.row(0) << 0, 0, -depth;
+  mesh.vertices.row(1) << 0, 0, -depth * inner;
+  const auto vertex = [&](int ring, int i) { return 2 + ring * around + i % around; };
+  for (int ring = 0; ring < count; ++ring)
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2 * pi * (i + 0.5 * (ring % 2)) / around;  // every other ring turned by half a side
+      mesh.vertices.row(vertex(ring, i)) << profile[ring][0] * std::cos(angle), profile[ring][0] * std::sin(angle),
+          profile[ring][1];
+    }
+  for (int i = 0; i < around; ++i) {
+    append(mesh, 0, vertex(0, i + 1), vertex(0, i));
+    append(mesh, 1, vertex(count - 1, i), vertex(count - 1, i + 1));
+    for (int ring = 0; ring + 1 < count; ++ring) {
+      const int a = vertex(ring, i), b = vertex(ring, i + 1), c = vertex(ring + 1, i), d = vertex(ring + 1, i + 1);
+      if (ring % 2 == 0) {
+        append(mesh, a, b, c);
+        append(mesh, b, d, c);
+      } else {
+        append(mesh, a, b, d);
+        append(mesh, a, d, c);
+      }
+    }
+  }
+  return mesh;
+}
+
+Mesh box(int n) {
+  Mesh mesh;
+  std::map<std::vector<int>, int> known;  // grid point -> vertex
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const auto vertex = [&](int a, int b) {
+            std::vector<int> p(3);
+            p[axis] = side * n, p[(axis + 1) % 3] = a, p[(axis + 2) % 3] = b;
+            const auto [at, fresh] = known.emplace(p, static_cast<int>(known.size()));
+            if (fresh) append(mesh, Vector3(p[0], p[1], p[2]) / n);
+            return at->second;
+          };
+          const int a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+          append(mesh, a, side == 1 ? b : c, side == 1 ? c : b);
+          append(mesh, a, side == 1 ? c : d, side == 1 ? d : c);
+        }
+  return mesh;
+}
+
+Mesh tetrapod(int segments) {
+  Mesh mesh = tetrahedron();
+  for (int f = 0; f < 4; ++f) {
+    Eigen::RowVector3i base = mesh.faces.row(f);
+    const Eigen::RowVector3d outward =
+        (mesh.vertices.row(base[0]) + mesh.vertices.row(base[1]) + mesh.vertices.row(base[2])) / 3;
+    for (int segment = 0; segment < segments; ++segment) {
+      const int first = static_cast<int>(mesh.vertices.rows());
+      for (int k = 0; k < 3; ++k) append(mesh, (mesh.vertices.row(base[k]) + 4 * outward).transpose());
+      for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        append(mesh, base[k], base[l], first + l);
+        append(mesh, base[k], first + l, first + k);
+      }
+      base << first, first + 1, first + 2;
+    }
+    mesh.faces.row(f) = base;
+  }
+  return mesh;
+}
+
 Mesh withZeroAreaFace() {
   Mesh mesh = octahedron();
   append(mesh, {0.5, 0.5, 0});   // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone
@@ -267,6 +352,11 @@ Mesh duplicatedVertices() {
       soup.faces(f, k) = 3 * f + k;
     }
   return soup;
+}
+
+Mesh stretched(Mesh mesh, double x, double y, double z) {
+  mesh.vertices.array().rowwise() *= Eigen::Array<double, 1, 3>(x, y, z);
+  return mesh;
 }
 
 Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation) {

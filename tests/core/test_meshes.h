@@ -49,6 +49,13 @@ Mesh bipyramid(int sides);
 /// On the unit sphere, with faces of very different sizes: rings of eight vertices round the north pole, each twice as
 /// far from it as the one before, from `least` radian to about 1, and the south pole. Vertex 0 is the north pole.
 Mesh rings(double least);
+/// A thick cup, the shape of the ventricle's wall: a half ellipsoid of radius 1 and depth 1.2 with a wall of this
+/// thickness, rings of `around` vertices, `along` rings from an apex to the rim.
+Mesh cup(double thickness, int around, int along);
+/// The unit cube, each side an n x n grid of squares cut in two.
+Mesh box(int n);
+/// A tetrahedron with a triangular tube of so many segments on each face: four limbs.
+Mesh tetrapod(int segments);
 /// An octahedron with an additional vertex at the middle of an edge, inside a face that so loses a zero-area part.
 Mesh withZeroAreaFace();
 
@@ -65,6 +72,8 @@ Mesh withNaN();                 ///< icosahedron, vertex 5
 Mesh withDegenerateFace();      ///< icosahedron and face 20 = (0, 0, 1)
 Mesh duplicatedVertices();      ///< icosahedron as a soup of 20 faces with three vertices of their own each
 
+/// The same mesh stretched along the axes.
+Mesh stretched(Mesh mesh, double x, double y, double z);
 /// The same mesh in another place: rotation, then scale, then translation.
 Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation);
 

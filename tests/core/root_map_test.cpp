@@ -1,0 +1,184 @@
+#include "vcg_ext/map/root_map.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/map/tutte_map.h"
+
+namespace sphere_propagation::test {
+namespace {
+
+const std::vector<InitialMap> starts{InitialMap::Automatic, InitialMap::Brechbuehler, InitialMap::Harmonic,
+                                     InitialMap::Tutte};
+
+struct NamedMesh {
+  std::string name;
+  Mesh mesh;
+};
+
+std::vector<NamedMesh> smallMeshes() {
+  Mesh duplicate = octahedron(), folded = tetrahedron();
+  duplicate.vertices.row(1) = duplicate.vertices.row(2);
+  folded.vertices.row(1) = folded.vertices.row(2);
+  return {{"4 vertices", tetrahedron()},
+          {"4 vertices, long", stretched(tetrahedron(), 100, 1, 1)},
+          {"4 vertices, flat", stretched(tetrahedron(), 1, 2, 0.01)},
+          {"4 vertices, two of them one", folded},
+          {"5 vertices", bipyramid(3)},
+          {"5 vertices, long", stretched(bipyramid(3), 1, 1, 100)},
+          {"5 vertices, flat", stretched(bipyramid(3), 1, 1, 0.01)},
+          {"6 vertices", octahedron()},
+          {"6 vertices, skewed", stretched(octahedron(), 100, 3, 1)},
+          {"6 vertices, two of them one", duplicate},
+          {"7 vertices", bipyramid(5)},
+          {"zero-area face", withZeroAreaFace()},
+          {"box of 8 vertices", box(1)},
+          {"box of 8 vertices, long", stretched(box(1), 100, 1, 1)},
+          {"box of 8 vertices, flat", stretched(box(1), 1, 1, 0.01)}};
+}
+
+std::vector<NamedMesh> stubbornMeshes() {
+  Mesh collapsed = noisyEllipsoid(4);
+  for (int f = 0; f < 60; ++f)  // a tenth of the vertices moved onto a neighbour
+    collapsed.vertices.row(collapsed.faces(21 * f, 0)) = collapsed.vertices.row(collapsed.faces(21 * f, 1));
+  return {{"flattened", ellipsoid(30, 20, 0)},
+          {"needle", ellipsoid(1000, 1, 1)},
+          {"duplicate vertices", collapsed},
+          {"box", box(6)},
+          {"long box", stretched(box(6), 100, 1, 1)},
+          {"flat box", stretched(box(6), 1, 1, 0.01)},
+          {"long flat box", stretched(box(6), 100, 1, 0.01)},
+          {"vertices of valence 200", bipyramid(200)},
+          {"faces of very different sizes", rings(1e-6)},
+          {"thin cup", cup(0.02, 30, 12)}};
+}
+
+TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
+  std::vector<NamedMesh> meshes = smallMeshes();
+  for (NamedMesh& mesh : stubbornMeshes()) meshes.push_back(std::move(mesh));
+  for (const NamedMesh& named : meshes) {
+    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
+    for (const InitialMap start : starts) {
+      const RootMapResult result = makeRootMap(surface, {start, 0.9});  // valid by type
+      EXPECT_NE(result.used, InitialMap::Automatic);
+      const InitialMap asked = start == InitialMap::Automatic ? InitialMap::Harmonic : start;
+      EXPECT_EQ(result.note.empty(), result.used == asked) << named.name << ": " << result.note;
+    }
+  }
+}
+
+TEST(RootMap, PreservesAreasFromEachStart) {
+  for (const NamedMesh& named : std::vector<NamedMesh>{{"ellipsoid", ellipsoid(30, 20, 15, 12)},
+                                                       {"noisy ellipsoid", noisyEllipsoid(1)},
+                                                       {"long ellipsoid", ellipsoid(60, 20, 15, 12)},
+                                                       {"thick cup", cup(0.3, 24, 8)},
+                                                       {"cup", cup(0.2, 40, 16)}}) {
+    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
+    for (const InitialMap start : starts) {
+      const RootMapResult result = makeRootMap(surface, {start, 0.9});
+      const MapMeasures measures = measureMap(surface, result.map.positions());
+      EXPECT_TRUE(measures.certificate.valid());
+      EXPECT_LE(measures.areaRatioSd, 0.01) << named.name << " from " << nameOf(start);
+      EXPECT_EQ(result.note, "") << named.name;
+      EXPECT_GT(result.steps, 0);
+    }
+  }
+}
+
+TEST(RootMap, PreservesAreasOfSmallMeshes) {
+  for (const char* name : {"4 vertices", "5 vertices", "6 vertices", "6 vertices, skewed", "7 vertices"})
+    for (const NamedMesh& named : smallMeshes())
+      if (named.name == name) {
+        const ClosedSurface surface(named.mesh.vertices, named.mesh.faces);
+        EXPECT_LT(measureMap(surface, makeRootMap(surface).map.positions()).areaRatioSd, 1e-3) << name;
+      }
+}
+
+TEST(RootMap, AutomaticIsHarmonicWhereThatWorks) {
+  const Mesh mesh = noisyEllipsoid(2);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  const RootMapResult automatic = makeRootMap(surface), harmonic = makeRootMap(surface, {InitialMap::Harmonic, 0.9});
+  EXPECT_EQ(automatic.used, InitialMap::Harmonic);
+  EXPECT_EQ(automatic.map.positions(), harmonic.map.positions());
+}
+
+TEST(RootMap, WorksAtAnyScale) {
+  const Mesh mesh = noisyEllipsoid(3);
+  for (const double scale : {1e-100, 1e-30, 1e-6, 1e30, 1e100})
+    for (const InitialMap start : starts) {
+      const ClosedSurface surface(scale * mesh.vertices, mesh.faces);
+      const MapMeasures measures = measureMap(surface, makeRootMap(surface, {start, 0.9}).map.positions());
+      EXPECT_LT(measures.areaRatioSd, 0.01) << scale;
+      EXPECT_LT(measures.angleErrorMean, 20) << scale;
+    }
+}
+
+TEST(RootMap, SaysWhyItTookAnotherStart) {
+  // All vertices of a tetrahedron are neighbours, so there is no place for Brechbuehler's poles.
+  const Mesh mesh = tetrahedron();
+  const RootMapResult result =
+      makeRootMap(ClosedSurface(mesh.vertices, mesh.faces, "end-diastole"), {InitialMap::Brechbuehler, 0.9});
+  EXPECT_EQ(result.used, InitialMap::Harmonic);
+  EXPECT_NE(result.note.find("\"end-diastole\""), std::string::npos) << result.note;
+  EXPECT_NE(result.note.find("the initial map is Harmonic"), std::string::npos) << result.note;
+  EXPECT_NE(result.note.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"), std::string::npos)
+      << result.note;
+}
+
+TEST(RootMap, SaysWhatToDoWhenNoStartCanBeMadeValid) {
+  // Sizes fall exponentially along a limb: with four of them, whatever the poles, some end below what can be told
+  // from a point.
+  const Mesh mesh = tetrapod(80);
+  const ClosedSurface surface(mesh.vertices, mesh.faces, "four limbs");
+  for (const InitialMap start : starts) {
+    try {
+      makeRootMap(surface, {start, 0.9});
+      FAIL() << "a map was found";
+    } catch (const MapError& error) {
+      EXPECT_GT(error.count, 0);
+      EXPECT_GE(error.first, 0);
+      const std::string text = error.what();
+      for (const char* part : {"\"four limbs\"", "Harmonic cannot", "Brechbuehler cannot", "Tutte cannot",
+                               "of 1924 faces stay flipped", "Isotropic Explicit Remeshing"})
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(RootMap, RefusesAWeightOutsideItsRange) {
+  const Mesh mesh = icosahedron();
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  for (const double weight : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(makeRootMap(surface, {InitialMap::Automatic, weight}), ParameterError);
+}
+
+TEST(RootMap, ReportsProgress) {
+  const Mesh mesh = tetrahedron();
+  double last = 0;
+  makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {InitialMap::Brechbuehler, 0.9}, [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  });
+  EXPECT_EQ(last, 1);
+}
+
+TEST(TutteMap, IsAMapWhateverTheShape) {
+  std::vector<NamedMesh> meshes = smallMeshes();
+  for (NamedMesh& mesh : stubbornMeshes()) meshes.push_back(std::move(mesh));
+  meshes.push_back({"icosphere", icosphereMesh(10)});
+  meshes.push_back({"short limbs", tetrapod(2)});
+  for (const NamedMesh& named : meshes) {
+    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces);
+    const Certificate certificate = certify(surface.faces(), tuttePositions(surface));
+    EXPECT_TRUE(certificate.valid()) << named.name << ": " << certificate.reason();
+  }
+}
+
+}  // namespace
+}  // namespace sphere_propagation::test

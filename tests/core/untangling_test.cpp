@@ -1,0 +1,146 @@
+#include "vcg_ext/map/untangling.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/map/certificate.h"
+
+namespace sphere_propagation::test {
+namespace {
+
+/// Within `rings` edges of the centres.
+std::set<int> neighbourhood(const ClosedSurface& surface, std::set<int> centres, int rings) {
+  for (int ring = 0; ring < rings; ++ring) {
+    const std::set<int> inner = centres;
+    for (int v : inner)
+      for (int w : surface.ring(v)) centres.insert(w);
+  }
+  return centres;
+}
+
+TEST(Untangling, LeavesAMapAsItIs) {
+  const Mesh mesh = icosphereMesh(6);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  const Untangled result = untangle(surface, mesh.vertices);
+  EXPECT_EQ(result.repairedFaces, 0);
+  EXPECT_EQ(result.movedVertices, 0);
+  EXPECT_LT((result.map.positions() - mesh.vertices).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+TEST(Untangling, BringsPositionsOfAnyLengthToTheSphere) {
+  const Mesh mesh = icosphereMesh(3);
+  Points positions = mesh.vertices;
+  for (Eigen::Index v = 0; v < positions.rows(); ++v) positions.row(v) *= std::pow(10.0, v % 20 - 10);
+  const Untangled result = untangle(ClosedSurface(mesh.vertices, mesh.faces), positions);
+  EXPECT_EQ(result.repairedFaces, 0);
+  EXPECT_LT((result.map.positions() - mesh.vertices).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+TEST(Untangling, MovesOnlyWhatLiesAroundFlippedFaces) {
+  const Mesh mesh = icosphereMesh(12);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  for (const int centre : {0, 500, 1000}) {
+    // Pushed over the far side of its ring.
+    Points positions = mesh.vertices;
+    positions.row(centre) += 1.4 * (positions.row(surface.ring(centre)[0]) - positions.row(centre));
+    positions.rowwise().normalize();
+    const Certificate before = certify(mesh.faces, positions);
+    ASSERT_GT(before.flippedFaces, 0);
+    const Untangled result = untangle(surface, positions);
+    EXPECT_EQ(result.repairedFaces, before.flippedFaces);
+    const std::set<int> near = neighbourhood(surface, {centre}, 3);
+    int moved = 0;
+    for (int v = 0; v < surface.vertexCount(); ++v) {
+      const bool same = (result.map.positions().row(v) - positions.row(v)).norm() < 1e-15;
+      moved += !same;
+      if (near.count(v) == 0) {
+        EXPECT_TRUE(same) << "vertex " << v;
+      }
+    }
+    EXPECT_EQ(result.movedVertices, moved);
+    EXPECT_GT(moved, 2);
+  }
+}
+
+TEST(Untangling, GrowsTheRingWhereOneIsNotEnough) {
+  // A whole patch collapsed onto one point.
+  const Mesh mesh = icosphereMesh(12);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  Points positions = mesh.vertices;
+  const std::set<int> patch = neighbourhood(surface, {700}, 4);
+  for (int v : patch) positions.row(v) = mesh.vertices.row(700);
+  const Untangled result = untangle(surface, positions);
+  EXPECT_GT(result.repairedFaces, 80);
+  const std::set<int> near = neighbourhood(surface, patch, 5);
+  for (int v = 0; v < surface.vertexCount(); ++v)
+    if (near.count(v) == 0) {
+      EXPECT_LT((result.map.positions().row(v) - positions.row(v)).norm(), 1e-15);
+    }
+}
+
+TEST(Untangling, MendsScatteredFlips) {
+  const Mesh mesh = icosphereMesh(12);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  Random random(3);
+  for (int trial = 0; trial < 5; ++trial) {
+    Points positions = mesh.vertices;
+    for (int i = 0; i < 40; ++i)
+      positions.row(random.index(surface.vertexCount())) += 0.15 * random.direction().transpose();
+    const Untangled result = untangle(surface, positions);
+    EXPECT_GT(result.repairedFaces, 5);
+    EXPECT_LT(result.movedVertices, surface.vertexCount() / 2);
+  }
+}
+
+TEST(Untangling, FindsAPlaceForPositionsThatAreNoNumbers) {
+  const Mesh mesh = icosphereMesh(8);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  Points positions = mesh.vertices;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  positions.row(10).setConstant(nan);
+  positions(200, 1) = nan;
+  positions(300, 2) = -infinity;
+  positions.row(400).setZero();
+  for (int w : surface.ring(500)) positions.row(w).setConstant(nan);
+  const Untangled result = untangle(surface, positions);  // a SphereMap is valid by type
+  EXPECT_GE(result.repairedFaces, 4 * 5);
+  EXPECT_LT((result.map.position(10) - mesh.vertices.row(10).transpose()).norm(), 0.1);
+}
+
+TEST(Untangling, SaysHowFarFromAMapHopelessPositionsAre) {
+  const Mesh mesh = icosphereMesh(4);
+  const ClosedSurface surface(mesh.vertices, mesh.faces, "phase 7");
+  Points nowhere = mesh.vertices;
+  nowhere.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (const Points& positions : {Points(-mesh.vertices), nowhere}) {
+    try {
+      untangle(surface, positions);
+      FAIL() << "accepted";
+    } catch (const MapError& error) {
+      EXPECT_GT(error.count, 0);
+      EXPECT_GE(error.first, 0);
+      const std::string text = error.what();
+      EXPECT_NE(text.find("\"phase 7\""), std::string::npos) << text;
+      EXPECT_NE(text.find("320 faces were flipped"), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(Untangling, RefusesAMapThatCoversTheSphereTwice) {
+  // No face is flipped, but the degree is 2: longitude doubled between the poles.
+  const Mesh mesh = bipyramid(8);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  Points positions = mesh.vertices;
+  for (int i = 0; i < 8; ++i) positions.row(2 + i) << std::cos(i * std::acos(0.0)), std::sin(i * std::acos(0.0)), 0;
+  ASSERT_EQ(certify(mesh.faces, positions).flippedFaces, 0);
+  EXPECT_THROW(untangle(surface, positions), MapError);
+}
+
+}  // namespace
+}  // namespace sphere_propagation::test
