@@ -1,0 +1,30 @@
+"""Colours that make maps visible: red, green, blue in [0, 1], one row per vertex."""
+from __future__ import annotations
+
+import numpy as np
+
+
+def landmark_colors(count: int) -> np.ndarray:
+    """The index of a landmark as its hue, from pole to pole of the map; the same landmark has the same colour on all layers."""
+    sixths = 6 * (np.arange(count)[:, None] / count - np.array([0, 1 / 3, 2 / 3]))
+    return np.clip(2 - np.abs((sixths + 3) % 6 - 3), 0, 1)
+
+
+def map_colors(longitude, latitude, bands: int = 10, sectors: int = 14) -> np.ndarray:
+    """A checkerboard on the sphere: longitude in turns, latitude in quarter turns (-1 south pole, 1 north pole).
+
+    The hue turns once with the longitude, light and dark fields alternate, and the hue fades towards the poles: light in the
+    north, dark in the south.
+    """
+    longitude, latitude = np.broadcast_arrays(np.asarray(longitude, float), np.asarray(latitude, float))
+    hue = 0.66 + 0.32 * np.cos(2 * np.pi * (longitude[..., None] - np.array([0.02, 0.36, 0.66])))
+    pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
+    fading = np.abs(latitude)[..., None] ** 3
+    dark = (np.floor(longitude % 1 * sectors) + np.floor((latitude + 1) / 2 * bands * (1 - 1e-12))) % 2
+    return ((1 - fading) * hue + fading * pole) * (1 - 0.30 * dark[..., None])
+
+
+def sphere_coordinates(positions: np.ndarray):
+    """Longitude in turns and latitude in quarter turns of unit vectors (n, 3), as map_colors wants them."""
+    x, y, z = np.asarray(positions, float).T
+    return np.arctan2(y, x) / (2 * np.pi) % 1, np.arcsin(np.clip(z, -1, 1)) / (np.pi / 2)

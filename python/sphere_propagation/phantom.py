@@ -1,0 +1,109 @@
+"""The truth of the phantom: where each material point of the beating ventricle is at each phase.
+
+The motion is the plugin's (vcg_ext/volume/ventricle_phantom.h), written again in numpy with the same constants and the same random
+numbers. Landmarks are judged against this function and not against the per-vertex attribute `material_coordinate`: that one is
+known at the layers' vertices only, which lie up to half a voxel off the ventricle's own surface; the function is exact everywhere.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+RIM = 0.93  # u at which the surface ends for measurements: above, the base is cut where the voxels end
+TRUSTED = 1.2  # mm: a landmark farther from that surface is not on it
+
+
+class MaterialPoints(NamedTuple):
+    """Coordinates of tissue: u from apex 0 to base 1, theta round the long axis, m from inner 0 to outer surface 1."""
+
+    u: np.ndarray
+    theta: np.ndarray
+    m: np.ndarray
+    distance: np.ndarray  # mm, from the points asked for
+
+
+class Ventricle:
+    def __init__(self, part: str = "Cavity", phases: int = 25, seed: int = 0, twist: float = 0.0):
+        """Twist in degrees. `part` says which sheets are its surface: Cavity the inner one, Wall both."""
+        draw = np.random.RandomState(seed)  # the order of the draws matters
+        self.phases, self.twist = phases, np.radians(twist)
+        self.sheets = (0.0,) if part == "Cavity" else (0.0, 1.0)
+        self.width = 25.0
+        self.depth = 25.0 * (1 + 0.1 * draw.randn())
+        self.length = 80.0 * (1 + 0.05 * draw.randn())
+        self.infarct_theta = 2 * np.pi * draw.rand()
+        self.infarct_u = 0.35 + 0.3 * draw.rand()
+        self.bulges = 0.05 * draw.randn(4)
+        self.bend = 6 * draw.randn()
+
+    def contraction(self, phase: float) -> float:
+        """From 0 at end-diastole (phase 0) to 1 at end-systole (0.35 of the cycle)."""
+        time = phase / self.phases
+        return np.sin(np.pi * time / 0.7) ** 2 if time < 0.35 else np.cos(np.pi * (time - 0.35) / 1.3) ** 2
+
+    def position(self, u, theta, m, phase: float) -> np.ndarray:
+        """Where material points are, (..., 3) in mm; u, theta and m broadcast."""
+        contraction = self.contraction(phase)
+        away = np.remainder(theta - self.infarct_theta + np.pi, 2 * np.pi) - np.pi
+        infarct = np.exp(-0.5 * (away / 0.5) ** 2 - 0.5 * ((u - self.infarct_u) / 0.18) ** 2)
+        local = contraction * (1 - 0.9 * infarct)
+        radius = (1 - 0.36 * local) * (1 + self.bulges[0] * np.cos(2 * theta)
+                                       + u * (self.bulges[1] * np.sin(3 * theta) + self.bulges[2] * np.cos(theta)))
+        outward = 9 * (1 + 0.45 * local) * m
+        phi, turned = 0.625 * np.pi * u, theta + self.twist * contraction * (1 - u)
+        x = (self.width * radius + outward) * np.sin(phi) * np.cos(turned)
+        y = (self.depth * radius + outward) * np.sin(phi) * np.sin(turned)
+        z = -(0.55 * self.length * (1 - 0.16 * contraction) + 0.9 * outward) * np.cos(phi)
+        x = x + self.bend * np.sin(np.pi * (z / self.length + 0.6) / 1.2)
+        return np.stack(np.broadcast_arrays(x, y, z), -1)
+
+    def material_points(self, points: np.ndarray, phase: float) -> MaterialPoints:
+        """The tissue at points (n, 3) of a surface: the closest points of the ventricle's sheets up to the rim.
+
+        Gauss-Newton in (u cos theta, u sin theta), where the apex is nothing special, from the closest of some samples.
+        """
+        best = None
+        for m in self.sheets:
+            u, theta = (grid.ravel() for grid in np.meshgrid(np.linspace(0, RIM, 60), np.linspace(0, 2 * np.pi, 121)[:-1], indexing="ij"))
+            start = _nearest(points, self.position(u, theta, m, phase))
+            q = np.stack([u[start] * np.cos(theta[start]), u[start] * np.sin(theta[start])], -1)
+            found = self._closest(points, q, m, phase)
+            if best is None:
+                best = found
+            else:
+                best = MaterialPoints(*(np.where(found.distance < best.distance, new, old) for new, old in zip(found, best)))
+        return best
+
+    def _closest(self, points, q, m, phase):
+        at = lambda q: self.position(np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), m, phase)
+        distance = np.linalg.norm(points - at(q), axis=1)
+        length, h = np.ones(len(q)), 1e-6
+        for _ in range(30):
+            columns = [(at(q + h * axis) - at(q - h * axis)) / (2 * h) for axis in np.eye(2)]
+            jacobian = np.stack(columns, -1)
+            step = np.einsum("nij,nj->ni", np.linalg.pinv(jacobian), points - at(q))
+            trial = q + length[:, None] * step
+            trial /= np.maximum(1, np.linalg.norm(trial, axis=1) / RIM)[:, None]  # u <= RIM
+            found = np.linalg.norm(points - at(trial), axis=1)
+            better = found < distance
+            q, distance = np.where(better[:, None], trial, q), np.where(better, found, distance)
+            length = np.where(better, 1.0, length / 2)
+        return MaterialPoints(np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), np.full(len(q), m), distance)
+
+    def errors(self, landmarks: np.ndarray, root: int = 0) -> np.ndarray:
+        """Mean distance (mm), phase by phase, of landmarks (phases, n, 3) from the tissue that they lie on at the root's phase.
+
+        Landmarks at the rim of the base and on the lid are left out: no tissue can be followed there.
+        """
+        tissue = self.material_points(landmarks[root], root)
+        known = tissue.distance < TRUSTED
+        u, theta, m = tissue.u[known], tissue.theta[known], tissue.m[known]
+        return np.array([np.linalg.norm(points[known] - self.position(u, theta, m, phase), axis=1).mean()
+                         for phase, points in enumerate(landmarks)])
+
+
+def _nearest(points, samples):
+    """Index of the sample that is closest to each point."""
+    squares = (samples ** 2).sum(1)
+    return np.concatenate([(squares - 2 * chunk @ samples.T).argmin(1) for chunk in np.array_split(points, 1 + len(points) // 500)])
