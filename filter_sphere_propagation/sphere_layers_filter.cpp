@@ -11,7 +11,8 @@ class SphereLayersFilter : public host::Filter {
   host::FilterDescription describe() const override {
     return {"Show parameterisation as sphere layers", "generate_sphere_layers",
             "Makes a new layer \"... sphere\" of every visible surface layer that has a map: the surface's own triangles "
-            "on the unit sphere, with its colours. Run again, the filter replaces the layers that it made.<br><br>" +
+            "on the unit sphere, with its colours. Run again, the filter replaces the layers that it made.<br><br>"
+            "Returned: <b>layers</b>: how many were made.<br><br>" +
                 paperReference(),
             static_cast<int>(host::Menu::Layer), host::Arity::VisibleLayers};
   }
