@@ -39,10 +39,11 @@ class EvaluationFilter : public host::Filter {
       const Stopwatch stopwatch;
       const MeshSurface mesh = layers[i].surface();
       const MapMeasures measures = measureMap(mesh.surface, *layers[i].storedPositions(mesh));
-      figures.set(i, measures, stopwatch.seconds());
+      const double seconds = stopwatch.seconds();
+      figures.set(i, measures, seconds);
       valid[static_cast<Eigen::Index>(i)] = measures.certificate.valid() ? 1 : 0;
       degree[static_cast<Eigen::Index>(i)] = measures.certificate.degree;
-      task.log(describeMap(layers[i].label(), mesh.surface, measures));
+      task.log(describeMap(layers[i].label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s");
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));
     }
     host::Outputs outputs = {{"valid", valid}, {"degree", degree}};
