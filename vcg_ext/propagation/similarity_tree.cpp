@@ -17,7 +17,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int samples = 200, samplesToChooseBy = 50;
+constexpr int samples = 100, samplesToChooseBy = 50;
 constexpr int alignmentIterations = 10;
 
 /// What the comparison needs of a layer: centre and axes of its surface (not of its vertices, which lie as the mesh
