@@ -146,9 +146,11 @@ void AreaMinimiser::solve(const AreaStepParameters& parameters) {
     double next = 0;
     for (size_t v = 0; v < n; ++v) {
       step_[v] += alpha * search_[v];
-      residual_[v] -= alpha * image_[v];
-      scaled_[v] = preconditioner_[v] * residual_[v];
-      next += residual_[v].dot(scaled_[v]);
+      // Local copies: the compiler cannot know that the vectors do not overlap.
+      const Tangent r = residual_[v] - alpha * image_[v], z = preconditioner_[v] * r;
+      residual_[v] = r;
+      scaled_[v] = z;
+      next += r.dot(z);
     }
     const double beta = next / rho;
     rho = next;
