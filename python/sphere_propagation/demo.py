@@ -72,8 +72,8 @@ def run_folder(options, folder: Path, steps: Steps) -> List[report.Run]:
 def draw(folder: Path, rows: Sequence[pictures.Row], steps: Steps, errors: Optional[list] = None) -> None:
     pictures.landmarks_over_cycle(rows, folder / "landmarks.png")
     steps("landmarks.png: landmarks over the cycle")
-    pictures.maps_over_cycle(rows, folder / "maps.png")
-    steps("maps.png: the maps over the cycle")
+    pictures.maps_over_cycle(rows, folder / "checkerboard.png")
+    steps("checkerboard.png: the maps over the cycle")
     pictures.root_and_sphere(rows, folder / "map.png")
     steps("map.png: the root and its sphere")
     if errors:

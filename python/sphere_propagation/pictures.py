@@ -89,6 +89,7 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
         axis.set_xlabel("phase", fontsize=11, color=GREY)
         axis.set_xlim(-0.5, len(values) - 0.5)
         axis.set_ylim(0, 1.3 * top)
+        axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top])  # none behind the legend
         axis.grid(axis="y", color="#e5e7eb", lw=1)
         axis.set_axisbelow(True)
         axis.tick_params(colors=GREY, length=0, labelleft=True)

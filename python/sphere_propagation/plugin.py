@@ -6,8 +6,7 @@ from pathlib import Path
 
 LIBRARY = "libfilter_sphere_propagation.so"
 VARIABLE = "SPHERE_PROPAGATION_PLUGIN"
-
-_loaded = False
+FILTER = "compute_spherical_parameterisation_root"  # one of them
 
 
 class PluginError(RuntimeError):
@@ -28,17 +27,15 @@ def find(path=None) -> Path:
 
 
 def load(path=None):
-    """Loads the plugin once; returns the module pymeshlab, whose MeshSet then knows the filters."""
-    global _loaded
+    """Loads the plugin, unless that was done before; returns the module pymeshlab, whose MeshSet then knows the filters."""
     try:
         import pymeshlab
     except ImportError as error:
         raise PluginError(f"PyMeshLab cannot be imported: {error}") from error
-    if not _loaded:
+    if FILTER not in pymeshlab.filter_list():
         library = find(path)
         try:
             pymeshlab.load_plugin(str(library.resolve()))
         except Exception as error:  # PyMeshLab says in words what does not fit
             raise PluginError(f"PyMeshLab does not load {library}: {error}") from error
-        _loaded = True
     return pymeshlab

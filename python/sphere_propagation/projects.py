@@ -9,8 +9,6 @@ import numpy as np
 from . import files, pictures
 from .colors import landmark_colors, map_colors, sphere_coordinates
 
-SHADES = {"bands": 8, "sectors": 12}  # of the checkerboard as vertex colours: coarse, or the meshes' edges show
-
 
 def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
     """FOLDER/name/: surfaces, landmarks and spheres as PLY; a project to work on and one to look at."""
@@ -21,6 +19,9 @@ def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
         kinds[kind].mkdir(parents=True, exist_ok=True)
         for old in kinds[kind].glob("*.ply"):  # layers of an earlier run
             old.unlink()
+    # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
+    bands = int(np.clip(round(2 + len(result.surfaces[result.root].vertices) ** 0.5 / 10), 4, 10))
+    shades = {"bands": bands, "sectors": 2 * round(0.75 * bands)}
     hues = landmark_colors(result.landmarks.shape[1])
     layers = {kind: [] for kind in kinds}
 
@@ -30,7 +31,7 @@ def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
         layers[kind].append(files.ProjectLayer(label, path, kind == "surfaces"))
 
     for surface, sphere, points in zip(result.surfaces, result.maps, result.landmarks):
-        colors = map_colors(*sphere_coordinates(sphere.positions), **SHADES)
+        colors = map_colors(*sphere_coordinates(sphere.positions), **shades)
         add("surfaces", surface.name, surface.vertices, surface.faces, colors, sphere.texture)
         add("landmarks", f"{surface.name} landmarks", points, result.landmark_faces, hues)
         add("spheres", f"{surface.name} sphere", sphere.positions, surface.faces, colors)
