@@ -167,7 +167,7 @@ def test_error_on_a_phantom_of_another_seed(ventricle, part):
 
 
 def test_restoring_areas_gives_each_layer_equal_areas(measure):
-    ms = project_of("heart_truth")
+    ms = project_of("phantom wall")
     ms.apply_filter(ROOT)
     returned = ms.apply_filter(PROPAGATE, order="Cyclic time", area_restoration=1)
     for mesh, sd in zip(ms, returned["area_ratio_sd"]):
