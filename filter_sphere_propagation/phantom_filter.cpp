@@ -13,11 +13,16 @@ class PhantomFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
     return {"Beating ventricle phantom", "create_ventricle_phantom",
-            "Makes a left ventricle over one heart cycle, one layer per phase, each meshed on its own from voxels, so that no "
-            "two layers correspond: a sample to try the other filters on. Phase 0 is end-diastole and becomes the current layer. "
-            "The motion of every material point is known: the per-vertex attribute <i>material_coordinate</i> = (u, theta, m) "
-            "says which point of the tissue a vertex is (u: apex 0 to base 1, theta: angle round the long axis in radians, m: "
-            "inner 0 to outer surface 1), so the error of a correspondence can be measured. The lid of the cavity is no tissue: there "
+            "Makes a left ventricle over one heart cycle, one layer per phase, each meshed on its own from voxels, so "
+            "that no "
+            "two layers correspond: a sample to try the other filters on. Phase 0 is end-diastole and becomes the "
+            "current layer. "
+            "The motion of every material point is known: the per-vertex attribute <i>material_coordinate</i> = (u, "
+            "theta, m) "
+            "says which point of the tissue a vertex is (u: apex 0 to base 1, theta: angle round the long axis in "
+            "radians, m: "
+            "inner 0 to outer surface 1), so the error of a correspondence can be measured. The lid of the cavity is "
+            "no tissue: there "
             "u goes on from 1 at the rim to 2 on the axis.<br><br>"
             "Returned: <b>layers</b>, <b>vertices</b> (one entry per phase), <b>seconds</b>.<br><br>"
             "Surfaces are extracted by marching cubes:<br><i>William E. Lorensen and Harvey E. Cline</i><br>"
@@ -31,10 +36,10 @@ class PhantomFilter : public host::Filter {
     return {{"part", "Part", "Cavity: the blood pool, a rounded cone. Wall: the muscle around it, a thick cup.",
              host::Parameter::Choice{{"Cavity", "Wall"}, 0}},
             {"phases", "Phases", "Layers over one cycle, 1 to 10000.", defaults.phases},
-            {"voxel_size", "Voxel size", "mm, 0.25 to 4. Smaller voxels make finer meshes: 2 mm gives about 4000 vertices.",
-             defaults.voxelSize},
-            {"twist", "Twist",
-             "Degrees, -360 to 360, by which the apex turns against the base at end-systole.", defaults.twist},
+            {"voxel_size", "Voxel size",
+             "mm, 0.25 to 4. Smaller voxels make finer meshes: 2 mm gives about 4000 vertices.", defaults.voxelSize},
+            {"twist", "Twist", "Degrees, -360 to 360, by which the apex turns against the base at end-systole.",
+             defaults.twist},
             {"seed", "Seed", "Each number makes another ventricle; 0 or more.", 0}};
   }
 

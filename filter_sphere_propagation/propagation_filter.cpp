@@ -71,53 +71,61 @@ PropagationTree givenTree(const Sequence& sequence, const std::string& text) {
 class PropagationFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Propagate parameterisation to layers", "transfer_spherical_parameterisation_to_layers",
-            "Hands the root's map to the unit sphere on to all other visible surface layers, along a tree of layers, so "
-            "that the same point of the sphere means the same place on every layer. Layer order is time order. Layers of "
-            "landmarks, of spheres and of shape models are told apart by what they are and left alone; a layer's matrix counts. "
-            "Every map that is stored is <b>certified valid</b>.<br><br>"
-            "<b>Robust</b>: the parent is brought onto the layer rigidly, each vertex takes the sphere position at the "
-            "closest point whose normal agrees, and faces that flip are untangled locally.<br>"
-            "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
-            "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
-            "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
-            "came from, -1 for the root; <b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from the "
-            "parent brought onto it, in the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the repair; " +
-                mapFiguresInfo() + "<br><br>" + paperReference(),
-            host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
+    return {
+        "Propagate parameterisation to layers", "transfer_spherical_parameterisation_to_layers",
+        "Hands the root's map to the unit sphere on to all other visible surface layers, along a tree of layers, so "
+        "that the same point of the sphere means the same place on every layer. Layer order is time order. Layers of "
+        "landmarks, of spheres and of shape models are told apart by what they are and left alone; a layer's matrix "
+        "counts. "
+        "Every map that is stored is <b>certified valid</b>.<br><br>"
+        "<b>Robust</b>: the parent is brought onto the layer rigidly, each vertex takes the sphere position at the "
+        "closest point whose normal agrees, and faces that flip are untangled locally.<br>"
+        "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
+        "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
+        "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
+        "came from, -1 for the root; <b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from "
+        "the "
+        "parent brought onto it, in the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the "
+        "repair; " +
+            mapFiguresInfo() + "<br><br>" + paperReference(),
+        host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
     const PublishedParameters published;
-    return {{"root_layer", "Root layer", "The layer whose map is handed on. It must have one: \"Spherical parameterise root\".",
-             host::Parameter::LayerId{defaultRootId(layers)}},
-            {"method", "Method", "How a map gets from one layer to the next; see above.",
-             host::Parameter::Choice{{"Robust", "As published"}, 0}},
-            {"order", "Order",
-             "Which layer hands its map to which. Time: from the root to its neighbours in layer order, both ways (the "
-             "paper's). Cyclic time: both ways round a cycle, the last layer being next to the first. Similarity tree: the tree "
-             "that links shapes most alike, for layers in no order. Star: from the root to each. Given: as in "
-             "\"Parents\".",
-             host::Parameter::Choice{{"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}},
-            {"parents", "Parents",
-             "For the order Given: one layer number (as the layer dialog shows it) per visible surface layer, in layer order: "
-             "the layer that its map comes from, -1 for the root. For example \"-1, 0, 1, 1\".",
-             std::string()},
-            {"area_restoration", "Area restoration",
-             "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps what was propagated: "
-             "tissue that stretches keeps its share of the sphere.",
-             0.0},
-            host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
-                            "As published: scale each layer to the extents of its parent along the principal axes before "
-                            "corresponding vertices are looked for.",
-                            published.anisotropicScaling}
-                .asAdvanced(),
-            host::Parameter{"icp_iterations", "ICP iterations", "As published: iterations of the rigid alignment, at most.",
-                            published.icpIterations}
-                .asAdvanced(),
-            host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
-                            "As published: sweeps that smooth the map over the sphere.", published.smoothingSweeps}
-                .asAdvanced()};
+    return {
+        {"root_layer", "Root layer",
+         "The layer whose map is handed on. It must have one: \"Spherical parameterise root\".",
+         host::Parameter::LayerId{defaultRootId(layers)}},
+        {"method", "Method", "How a map gets from one layer to the next; see above.",
+         host::Parameter::Choice{{"Robust", "As published"}, 0}},
+        {"order", "Order",
+         "Which layer hands its map to which. Time: from the root to its neighbours in layer order, both ways (the "
+         "paper's). Cyclic time: both ways round a cycle, the last layer being next to the first. Similarity tree: the "
+         "tree "
+         "that links shapes most alike, for layers in no order. Star: from the root to each. Given: as in "
+         "\"Parents\".",
+         host::Parameter::Choice{{"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}},
+        {"parents", "Parents",
+         "For the order Given: one layer number (as the layer dialog shows it) per visible surface layer, in layer "
+         "order: "
+         "the layer that its map comes from, -1 for the root. For example \"-1, 0, 1, 1\".",
+         std::string()},
+        {"area_restoration", "Area restoration",
+         "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps what was propagated: "
+         "tissue that stretches keeps its share of the sphere.",
+         0.0},
+        host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
+                        "As published: scale each layer to the extents of its parent along the principal axes before "
+                        "corresponding vertices are looked for.",
+                        published.anisotropicScaling}
+            .asAdvanced(),
+        host::Parameter{"icp_iterations", "ICP iterations", "As published: iterations of the rigid alignment, at most.",
+                        published.icpIterations}
+            .asAdvanced(),
+        host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
+                        "As published: sweeps that smooth the map over the sphere.", published.smoothingSweeps}
+            .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -126,9 +134,10 @@ class PropagationFilter : public host::Filter {
     const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
     const std::optional<SphereMap> rootMap = rootLayer.map(rootMesh);
     if (!rootMap)
-      throw MapError(0, -1, "Layer \"" + rootLayer.label() +
-                                "\" is the root and has no map. Make it the current layer and run \"Spherical parameterise "
-                                "root\", or choose a root layer that has a map.");
+      throw MapError(0, -1,
+                     "Layer \"" + rootLayer.label() +
+                         "\" is the root and has no map. Make it the current layer and run \"Spherical parameterise "
+                         "root\", or choose a root layer that has a map.");
     std::vector<ClosedSurface> surfaces;
     surfaces.reserve(sequence.meshes.size());
     for (const MeshSurface& mesh : sequence.meshes) surfaces.push_back(mesh.surface);
@@ -163,10 +172,11 @@ class PropagationFilter : public host::Filter {
     sequence.root = sequence.indexOf(rootId);
     if (sequence.root < 0) {
       const auto layer = task.layers.find(rootId);
-      throw ParameterError(layer ? "Layer \"" + layer->label() +
-                                       "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere or of a "
-                                       "shape model. Show it, or choose a visible surface layer."
-                                 : "There is no layer " + std::to_string(rootId) + " to be the root.");
+      throw ParameterError(
+          layer ? "Layer \"" + layer->label() +
+                      "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere or of a "
+                      "shape model. Show it, or choose a visible surface layer."
+                : "There is no layer " + std::to_string(rootId) + " to be the root.");
     }
     if (sequence.layers.size() == 1)
       throw ParameterError("Layer \"" + sequence.layers[0].label() +
@@ -180,24 +190,31 @@ class PropagationFilter : public host::Filter {
     return sequence;
   }
 
-  static PropagationTree makeTree(host::Task& task, const Sequence& sequence, const std::vector<ClosedSurface>& surfaces) {
+  static PropagationTree makeTree(host::Task& task, const Sequence& sequence,
+                                  const std::vector<ClosedSurface>& surfaces) {
     const int count = static_cast<int>(surfaces.size());
     switch (static_cast<Order>(task.values.choice("order"))) {
-      case Order::Time: return timeOrder(count, sequence.root);
-      case Order::CyclicTime: return cyclicTimeOrder(count, sequence.root);
-      case Order::SimilarityTree: return similarityTree(surfaces, sequence.root).tree;
-      case Order::Star: return star(count, sequence.root);
-      case Order::Given: break;
+      case Order::Time:
+        return timeOrder(count, sequence.root);
+      case Order::CyclicTime:
+        return cyclicTimeOrder(count, sequence.root);
+      case Order::SimilarityTree:
+        return similarityTree(surfaces, sequence.root).tree;
+      case Order::Star:
+        return star(count, sequence.root);
+      case Order::Given:
+        break;
     }
     const PropagationTree tree = givenTree(sequence, task.values.text("parents"));
     if (tree.root() != sequence.root)
-      throw ParameterError("parents: the root (-1) is layer \"" + sequence.layers[static_cast<size_t>(tree.root())].label() +
-                           "\", but root_layer is \"" + sequence.layers[static_cast<size_t>(sequence.root)].label() +
-                           "\". Make them the same.");
+      throw ParameterError("parents: the root (-1) is layer \"" +
+                           sequence.layers[static_cast<size_t>(tree.root())].label() + "\", but root_layer is \"" +
+                           sequence.layers[static_cast<size_t>(sequence.root)].label() + "\". Make them the same.");
     return tree;
   }
 
-  static host::Outputs write(host::Task& task, const Sequence& sequence, const std::vector<PropagatedLayer>& propagated) {
+  static host::Outputs write(host::Task& task, const Sequence& sequence,
+                             const std::vector<PropagatedLayer>& propagated) {
     const size_t count = sequence.layers.size();
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);

@@ -1,6 +1,7 @@
 // "Remesh by icosphere": every surface that has a map is sampled at the same points of the sphere.
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/remeshing/icosphere.h"
 #include "vcg_ext/remeshing/landmark_colors.h"
@@ -15,50 +16,33 @@ constexpr long mostLandmarks = 20'000'000;
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Remesh by icosphere", "generate_icosphere_remeshing",
-            "Samples every visible surface layer that has a map to the sphere by one and the same icosphere. Each gets a "
-            "new layer \"... landmarks\", all with one face list, so that <b>vertex j is the same landmark on every "
-            "shape</b>: the input of a statistical shape model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives the "
-            "paper's 1002. New layers have the identity matrix: landmarks lie where the surfaces are seen. Run again, the filter "
-            "replaces the layers that it made.<br><br>"
-            "Returned, one entry per layer with a map: <b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance "
-            "between landmark mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" + paperReference(),
-            static_cast<int>(host::Menu::Remeshing), host::Arity::VisibleLayers};
+    return {
+        "Remesh by icosphere", "generate_icosphere_remeshing",
+        "Samples every visible surface layer that has a map to the sphere by one and the same icosphere. Each gets a "
+        "new layer \"... landmarks\", all with one face list, so that <b>vertex j is the same landmark on every "
+        "shape</b>: the input of a statistical shape model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives "
+        "the "
+        "paper's 1002. New layers have the identity matrix: landmarks lie where the surfaces are seen. Run again, the "
+        "filter "
+        "replaces the layers that it made.<br><br>"
+        "Returned, one entry per layer with a map: <b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance "
+        "between landmark mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" +
+            paperReference(),
+        static_cast<int>(host::Menu::Remeshing), host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {{"frequency", "Frequency",
-             "Into how many parts each edge of the icosahedron is split, 1 to " + std::to_string(largestIcosphereFrequency) +
-                 ": 10 f^2 + 2 landmarks.",
-             10},
-            {"color_landmarks", "Colour landmarks",
-             "Show the index of each landmark as its hue: the same colour means the same landmark on every layer.", true}};
+    return {
+        {"frequency", "Frequency",
+         "Into how many parts each edge of the icosahedron is split, 1 to " +
+             std::to_string(largestIcosphereFrequency) + ": 10 f^2 + 2 landmarks.",
+         10},
+        {"color_landmarks", "Colour landmarks",
+         "Show the index of each landmark as its hue: the same colour means the same landmark on every layer.", true}};
   }
 
   host::Outputs run(host::Task& task) const override {
-    std::vector<host::Layer> layers;
-    std::vector<MeshSurface> meshes;
-    std::vector<SphereMap> maps;
-    for (const host::Layer& layer : task.layers.visibleSurfaces()) {
-      if (!layer.storesPositions()) {
-        task.log(layer.label() + ": has no map, left out");
-        continue;
-      }
-      MeshSurface mesh = layer.surface();
-      std::optional<SphereMap> map = layer.map(mesh);
-      if (!map) {
-        task.log(layer.label() + ": carries no valid map, left out");
-        continue;
-      }
-      layers.push_back(layer);
-      meshes.push_back(std::move(mesh));
-      maps.push_back(std::move(*map));
-    }
-    if (layers.empty())
-      throw MapError(0, -1,
-                     "No visible surface layer has a map to the sphere. Run \"Spherical parameterise root\" and \"Propagate "
-                     "parameterisation to layers\" first.");
-
+    const std::vector<MappedLayer> layers = mappedLayers(task);
     const int frequency = task.values.integer("frequency");
     const long landmarks = 10L * frequency * frequency + 2;
     const long affordable = mostLandmarks / static_cast<long>(layers.size());
@@ -76,10 +60,10 @@ class RemeshingFilter : public host::Filter {
     for (Eigen::Index i = 0; i < count; ++i) {
       const auto k = static_cast<size_t>(i);
       const Stopwatch stopwatch;
-      const Remeshed remeshed = remesh(meshes[k].surface, maps[k], sphere.vertices);
-      const SurfaceDistance distance = surfaceDistance(remeshed.landmarks, sphere.faces, meshes[k].surface);
+      const Remeshed remeshed = remesh(layers[k].mesh.surface, layers[k].map, sphere.vertices);
+      const SurfaceDistance distance = surfaceDistance(remeshed.landmarks, sphere.faces, layers[k].mesh.surface);
       host::NewLayer made;
-      made.label = layers[k].derivedLabel("landmarks");
+      made.label = layers[k].layer.derivedLabel("landmarks");
       made.kind = host::LayerKind::Landmarks;
       made.vertices = remeshed.landmarks;
       made.faces = sphere.faces;
@@ -88,7 +72,7 @@ class RemeshingFilter : public host::Filter {
       mean[i] = distance.mean;
       max[i] = distance.max;
       seconds[i] = stopwatch.seconds();
-      task.log(layers[k].label() + ": " + std::to_string(landmarks) + " landmarks, distance to the surface " +
+      task.log(layers[k].layer.label() + ": " + std::to_string(landmarks) + " landmarks, distance to the surface " +
                shortNumber(distance.mean) + " on average, " + shortNumber(distance.max) + " at most, " +
                shortNumber(seconds[i]) + " s");
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));

@@ -17,7 +17,8 @@ std::string counted(long count, const std::string& noun, const std::string& plur
 std::string describeMap(const std::string& label, const ClosedSurface& surface, const MapMeasures& measures) {
   std::string line = label + ": " + counted(surface.vertexCount(), "vertex", "vertices") + ", " +
                      counted(measures.certificate.flippedFaces, "flipped face", "flipped faces") + ", area ratio sd " +
-                     shortNumber(measures.areaRatioSd) + ", angle error " + shortNumber(measures.angleErrorMean) + " degrees";
+                     shortNumber(measures.areaRatioSd) + ", angle error " + shortNumber(measures.angleErrorMean) +
+                     " degrees";
   if (!measures.certificate.valid()) line += "; NOT VALID: " + measures.certificate.reason();
   return line;
 }
@@ -47,8 +48,10 @@ void MapFigures::addTo(host::Outputs& outputs) const {
 std::string mapFiguresInfo() {
   return "<b>flipped_faces</b>: faces that are not positively oriented on the sphere (0 in a valid map); "
          "<b>area_ratio_sd</b>: standard deviation over the faces of share of the sphere / share of the surface (0: "
-         "area-preserving); <b>area_log_mean</b>: mean |ln| of that ratio; <b>angle_error_mean</b>: mean |corner angle on the "
-         "sphere - corner angle on the mesh| in degrees; <b>seconds</b>. Faces smaller than 1e-5 of the mean area count for "
+         "area-preserving); <b>area_log_mean</b>: mean |ln| of that ratio; <b>angle_error_mean</b>: mean |corner angle "
+         "on the "
+         "sphere - corner angle on the mesh| in degrees; <b>seconds</b>. Faces smaller than 1e-5 of the mean area "
+         "count for "
          "flipped_faces only.";
 }
 

@@ -12,26 +12,31 @@ class RootFilter : public host::Filter {
   host::FilterDescription describe() const override {
     return {"Spherical parameterise root", "compute_spherical_parameterisation_root",
             "Maps the current layer, a closed surface without handles, to the unit sphere so that areas are preserved: "
-            "every part of the surface gets its share of the sphere. The map is <b>certified valid</b>: no face is flipped, "
+            "every part of the surface gets its share of the sphere. The map is <b>certified valid</b>: no face is "
+            "flipped, "
             "and the sphere is covered once. It is stored on the layer as the per-vertex attribute "
-            "<i>sphere_position</i> (unit vectors) and as per-vertex texture coordinates (u = longitude / 2 pi, v = colatitude "
+            "<i>sphere_position</i> (unit vectors) and as per-vertex texture coordinates (u = longitude / 2 pi, v = "
+            "colatitude "
             "/ pi), which PLY files keep.<br><br>"
             "This is the first of three steps; \"Propagate parameterisation to layers\" and \"Remesh by icosphere\" "
             "follow. For a heart cycle, end-diastole (the layer of largest volume) is a good root.<br><br>"
-            "Returned: " + mapFiguresInfo() + "<br><br>" + paperReference() +
-            "Initial maps:<br><i>Christian Brechb&uuml;hler, Guido Gerig and Olaf K&uuml;bler</i><br>"
-            "<b>\"Parametrization of closed surfaces for 3-D shape description\"</b><br>"
-            "Computer Vision and Image Understanding 61(2), 1995.<br>"
-            "<i>Steven Haker, Sigurd Angenent, Allen Tannenbaum, Ron Kikinis, Guillermo Sapiro and Michael Halle</i><br>"
-            "<b>\"Conformal surface parameterization for texture mapping\"</b><br>"
-            "IEEE Transactions on Visualization and Computer Graphics 6(2), 2000.",
+            "Returned: " +
+                mapFiguresInfo() + "<br><br>" + paperReference() +
+                "Initial maps:<br><i>Christian Brechb&uuml;hler, Guido Gerig and Olaf K&uuml;bler</i><br>"
+                "<b>\"Parametrization of closed surfaces for 3-D shape description\"</b><br>"
+                "Computer Vision and Image Understanding 61(2), 1995.<br>"
+                "<i>Steven Haker, Sigurd Angenent, Allen Tannenbaum, Ron Kikinis, Guillermo Sapiro and Michael "
+                "Halle</i><br>"
+                "<b>\"Conformal surface parameterization for texture mapping\"</b><br>"
+                "IEEE Transactions on Visualization and Computer Graphics 6(2), 2000.",
             host::Menu::Remeshing | host::Menu::Layer, host::Arity::CurrentLayer};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     return {{"initial_map", "Initial map",
              "Where the minimisation of area distortion starts. Automatic: the harmonic map (cotangent Laplace), and "
-             "Brechbuehler's where that cannot be made valid. Brechbuehler: colatitude and longitude by diffusion between two "
+             "Brechbuehler's where that cannot be made valid. Brechbuehler: colatitude and longitude by diffusion "
+             "between two "
              "poles, the ends of the shape's first principal axis, as in the paper. The result is much the same.",
              host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0}},
             {"area_weight", "Area weight",
@@ -53,8 +58,8 @@ class RootFilter : public host::Filter {
     if (!result.note.empty()) task.log(result.note);
     if (!storageNote.empty()) task.log(storageNote);
     const double seconds = stopwatch.seconds();
-    task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s (" + nameOf(result.used) +
-             " start, " + counted(result.steps, "step", "steps") + ")");
+    task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s (" +
+             nameOf(result.used) + " start, " + counted(result.steps, "step", "steps") + ")");
     return {{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
             {"area_ratio_sd", measures.areaRatioSd},
             {"area_log_mean", measures.areaLogMean},

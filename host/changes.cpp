@@ -15,7 +15,8 @@ namespace {
 using Allocator = vcg::tri::Allocator<CMeshO>;
 
 Point3m pointm(const Points& points, Eigen::Index row) {
-  return {static_cast<Scalarm>(points(row, 0)), static_cast<Scalarm>(points(row, 1)), static_cast<Scalarm>(points(row, 2))};
+  return {static_cast<Scalarm>(points(row, 0)), static_cast<Scalarm>(points(row, 1)),
+          static_cast<Scalarm>(points(row, 2))};
 }
 
 std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {

@@ -1,6 +1,6 @@
 #pragma once
-/// What a filter wants to write. Collected while it computes, written in one go when nothing can fail any more: a filter
-/// that throws leaves the document exactly as it was.
+/// What a filter wants to write. Collected while it computes, written in one go when nothing can fail any more: a
+/// filter that throws leaves the document exactly as it was.
 
 #include <map>
 #include <memory>
@@ -22,7 +22,7 @@ struct NewLayer {
   Points vertices;
   Triangles faces;
   std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors;  ///< per vertex
-  std::map<std::string, Points> pointAttributes;                                            ///< per vertex
+  std::map<std::string, Points> pointAttributes;                                           ///< per vertex
 };
 
 class Changes {
@@ -32,13 +32,13 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
-  /// Stores a map on a layer, as attribute and as texture coordinates. Returns what the user should know about that; usually
-  /// nothing: texture coordinates are floats, and where rounding to them makes faces flip beyond mending, the attribute alone
-  /// is kept.
+  /// Stores a map on a layer, as attribute and as texture coordinates. Returns what the user should know about that;
+  /// usually nothing: texture coordinates are floats, and where rounding to them makes faces flip beyond mending, the
+  /// attribute alone is kept.
   std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map);
 
-  /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier run made,
-  /// replaces what that one holds.
+  /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
+  /// run made, replaces what that one holds.
   void addLayer(const NewLayer& layer);
 
   /// Makes the first of the new layers the current one (else the current layer stays).

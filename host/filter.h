@@ -1,6 +1,6 @@
 #pragma once
-/// What a filter is, in no host's words. A filter reads layers and parameters, calls vcg_ext, and says what to change; it
-/// never touches the document itself.
+/// What a filter is, in no host's words. A filter reads layers and parameters, calls vcg_ext, and says what to change;
+/// it never touches the document itself.
 
 #include <Eigen/Core>
 #include <functional>
@@ -47,7 +47,8 @@ class Filter {
  public:
   virtual ~Filter() = default;
   virtual FilterDescription describe() const = 0;
-  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube: quick, assumes nothing.
+  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube: quick, assumes
+  /// nothing.
   virtual std::vector<Parameter> parameters(const Layers& layers) const = 0;
   /// Throws Error (vcg_ext/base/error.h) with a text for the user.
   virtual Outputs run(Task& task) const = 0;

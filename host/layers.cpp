@@ -62,8 +62,8 @@ LayerKind Layer::kind() const {
 MeshSurface Layer::surface() const { return surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label()); }
 
 std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
+  if (!hasAttribute()) return std::nullopt;
   const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute);
-  if (!Allocator::IsValidHandle(mesh_->cm, handle)) return std::nullopt;
   Points positions(surface.surface.vertexCount(), 3);
   for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
     const Point3m& p = handle[static_cast<size_t>(surface.meshVertex[v])];
@@ -90,14 +90,17 @@ std::optional<Points> Layer::storedPositions(const MeshSurface& surface) const {
 
 std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
   for (auto& positions : {attributePositions(surface), texturePositions(surface)})
-    if (positions && certify(surface.surface.faces(), *positions).valid()) return SphereMap(surface.surface, *positions);
+    if (positions && certify(surface.surface.faces(), *positions).valid())
+      return SphereMap(surface.surface, *positions);
   return std::nullopt;
 }
 
-bool Layer::storesPositions() const {
-  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute);
-  return Allocator::IsValidHandle(mesh_->cm, handle) || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD);
+bool Layer::hasAttribute() const {
+  return Allocator::IsValidHandle(mesh_->cm,
+                                  Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute));
 }
+
+bool Layer::storesPositions() const { return hasAttribute() || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD); }
 
 bool Layer::hasMap() const {
   if (!storesPositions()) return false;
@@ -146,7 +149,8 @@ std::vector<Layer> Layers::visibleSurfaces() const {
   std::vector<Layer> found = visible(LayerKind::Surface);
   if (found.empty())
     throw ParameterError(
-        "No surface layer is visible. Load closed triangle meshes, or show them in the layer dialog; layers of landmarks, "
+        "No surface layer is visible. Load closed triangle meshes, or show them in the layer dialog; layers of "
+        "landmarks, "
         "of spheres and of shape models do not count.");
   return found;
 }

@@ -41,15 +41,18 @@ class Layer {
   /// The map that the layer carries: the attribute, else the texture coordinates, whichever certifies as a map of this
   /// surface; ordinary texture coordinates do not, and are no map.
   std::optional<SphereMap> map(const MeshSurface& surface) const;
-  /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the attribute where there
-  /// is one, else the texture coordinates; empty when it has neither. For measurements.
+  /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the attribute where
+  /// there is one, else the texture coordinates; empty when it has neither. For measurements.
   std::optional<Points> storedPositions(const MeshSurface& surface) const;
-  /// Whether anything is stored where a map would be.
+  /// Whether it has the attribute of a map, valid or not.
+  bool hasAttribute() const;
+  /// Whether anything is stored where a map would be: the attribute, or texture coordinates of any kind.
   bool storesPositions() const;
   /// Whether it carries a map; quick, and false where the layer is no closed surface.
   bool hasMap() const;
   /// Red, green, blue of each vertex of the surface, if the layer has colours of its own.
-  std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors(const MeshSurface& surface) const;
+  std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors(
+      const MeshSurface& surface) const;
 
  private:
   std::optional<Points> attributePositions(const MeshSurface& surface) const;

@@ -39,7 +39,7 @@ class ParameterValues {
   virtual int integer(const std::string& name) const = 0;
   virtual double real(const std::string& name) const = 0;
   virtual std::string text(const std::string& name) const = 0;
-  virtual int choice(const std::string& name) const = 0;   ///< index into Choice::names
+  virtual int choice(const std::string& name) const = 0;  ///< index into Choice::names
   virtual int layerId(const std::string& name) const = 0;
 };
 

@@ -99,9 +99,12 @@ FilterPlugin::FilterClass Plugin::getClass(const QAction* action) const {
 
 FilterPlugin::FilterArity Plugin::filterArity(const QAction* action) const {
   switch (descriptions_.at(static_cast<size_t>(ID(action))).arity) {
-    case Arity::None: return FilterPlugin::NONE;
-    case Arity::CurrentLayer: return FilterPlugin::SINGLE_MESH;
-    case Arity::VisibleLayers: return FilterPlugin::VARIABLE;
+    case Arity::None:
+      return FilterPlugin::NONE;
+    case Arity::CurrentLayer:
+      return FilterPlugin::SINGLE_MESH;
+    case Arity::VisibleLayers:
+      return FilterPlugin::VARIABLE;
   }
   return FilterPlugin::UNKNOWN_ARITY;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The one header on which plugins meet the hosts: a MeshLab filter plugin made of host::Filter objects. Whatever differs
-/// between the hosts' interfaces stays in plugin.cpp, layers.cpp and changes.cpp.
+/// The one header on which plugins meet the hosts: a MeshLab filter plugin made of host::Filter objects. Whatever
+/// differs between the hosts' interfaces stays in plugin.cpp, layers.cpp and changes.cpp.
 ///
 /// A plugin derives from it, passes its filters, and adds Qt's declarations:
 ///   class MyPlugin : public QObject, public host::Plugin {

@@ -143,7 +143,8 @@ void ClosedSurface::connectEdges() {
     fail(name_, Defect::InconsistentOrientation, opposed,
          "its faces are not oriented alike: " + counted(opposed.count, "edge lies", "edges lie") +
              " between faces of opposite orientation, the first at face " + std::to_string(opposed.first),
-         "Orient them with \"Re-Orient all faces coherently\".");
+         "Orient them with \"Re-Orient all faces coherently\"; should they point inwards then, \"Invert Faces "
+         "Orientation\".");
 }
 
 void ClosedSurface::connectVertices() {

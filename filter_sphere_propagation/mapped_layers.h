@@ -1,0 +1,26 @@
+#pragma once
+/// The surfaces that have a map: what the filters behind the propagation work on.
+
+#include <optional>
+#include <vector>
+
+#include "host/filter.h"
+
+namespace sphere_propagation {
+
+/// The surface of a layer that stores positions on the sphere. Empty, with a line in the log, where it stores nothing,
+/// or texture coordinates only and is no closed surface: those are ordinary ones. Throws SurfaceError where it has the
+/// attribute.
+std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer);
+
+struct MappedLayer {
+  host::Layer layer;
+  MeshSurface mesh;
+  SphereMap map;
+};
+
+/// All visible surfaces with a valid map, in layer order; the others are named in the log.
+/// Throws MapError, which says what to do, when there is none.
+std::vector<MappedLayer> mappedLayers(const host::Task& task);
+
+}  // namespace sphere_propagation
