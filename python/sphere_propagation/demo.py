@@ -37,7 +37,8 @@ def run_phantom(options, folder: Path, steps: Steps) -> List[report.Run]:
     runs, rows, errors = [], [], []
     for part in pipeline.PARTS:
         surfaces = pipeline.make_phantom(part, options.phases, options.voxel_size, options.seed)
-        steps(f"{part.lower()}: {len(surfaces)} phases of the phantom, {np.mean([len(s.vertices) for s in surfaces]):.0f} vertices on average")
+        vertices = np.mean([len(surface.vertices) for surface in surfaces])
+        steps(f"{part.lower()}: {len(surfaces)} phases of the phantom, {vertices:.0f} vertices on average")
         results = pipeline.run(surfaces, options.root or 0, pipeline.METHODS, ORDERS[options.order or "cyclic"], options.frequency,
                                lambda text: steps(f"{part.lower()}: {text}"))
         truth = Ventricle(part, options.phases, options.seed)
@@ -57,7 +58,8 @@ def run_folder(options, folder: Path, steps: Steps) -> List[report.Run]:
     if folder.resolve() in [source.resolve(), *source.resolve().parents]:
         raise PipelineError(f"The meshes lie in the output folder {folder}: choose another one.")
     surfaces = [files.read_mesh(path) for path in paths]
-    steps(f"{len(surfaces)} mesh{'es' * (len(surfaces) > 1)} from {source}: {paths[0].name} to {paths[-1].name}, {sum(len(s.vertices) for s in surfaces)} vertices")
+    steps(f"{len(surfaces)} mesh{'es' * (len(surfaces) > 1)} from {source}: {paths[0].name} to {paths[-1].name}, "
+          f"{sum(len(surface.vertices) for surface in surfaces)} vertices")
     root = pipeline.largest(surfaces) if options.root is None else options.root
     method = METHODS[options.method]
     result = pipeline.run(surfaces, root, [method], ORDERS[options.order or "time"], options.frequency, steps)[method]

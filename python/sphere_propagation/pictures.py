@@ -84,7 +84,8 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
     top = max(values.max() for found in errors for values in found.values())
     for axis, row, found in zip(axes[0], rows, errors):
         for (method, values), color in zip(found.items(), (ROBUST, PUBLISHED)):
-            axis.plot(values, color=color, lw=2.4, marker="o", ms=4, label=f"{method}: {values.max():.1f} mm worst, {values.mean():.1f} mm mean")
+            label = f"{method}: {values.max():.1f} mm worst, {values.mean():.1f} mm mean"
+            axis.plot(values, color=color, lw=2.4, marker="o", ms=4, label=label)
         axis.set_title(row.title, fontsize=13, color=INK, loc="left", weight="bold")
         axis.set_xlabel("phase", fontsize=11, color=GREY)
         axis.set_xlim(-0.5, len(values) - 0.5)

@@ -53,7 +53,8 @@ def summary(runs: Sequence[Run]) -> str:
     for data, result, errors in runs:
         figures = result.figures
         line = [data, result.method, str(len(result.surfaces)), f"{figures['flipped_faces'].sum():.0f}",
-                f"{figures['repaired_faces'].sum():.0f}", f"{figures['area_ratio_sd'][result.root]:.4f}", f"{figures['residual_mean'].mean():.2f}"]
+                f"{figures['repaired_faces'].sum():.0f}", f"{figures['area_ratio_sd'][result.root]:.4f}",
+                f"{figures['residual_mean'].mean():.2f}"]
         if known:
             line += ["", ""] if errors is None else [f"{errors.max():.2f} mm", f"{errors.mean():.2f} mm"]
         lines.append(line)
