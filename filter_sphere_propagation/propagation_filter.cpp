@@ -78,14 +78,20 @@ class PropagationFilter : public host::Filter {
         "landmarks, of spheres and of shape models are told apart by what they are and left alone; a layer's matrix "
         "counts. "
         "Every map that is stored is <b>certified valid</b>.<br><br>"
-        "<b>Robust</b>: the parent is brought onto the layer rigidly, each vertex takes the sphere position at the "
-        "closest point whose normal agrees, and faces that flip are untangled locally.<br>"
+        "<b>Robust</b>: the root's surface is moved onto each layer by a smooth, low-rank motion model that is fitted "
+        "along "
+        "the tree; each vertex takes the sphere position at the closest point of the moved root whose normal agrees, "
+        "and "
+        "faces that flip are untangled locally. How much tissue tends to travel, stretch and turn is learnt from the "
+        "sequence where it has twelve layers or more. A layer that the fit loses gets the map of its parent instead, "
+        "brought onto it by an affine alignment.<br>"
         "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
         "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
         "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
         "came from, -1 for the root; <b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from "
         "the "
-        "parent brought onto it, in the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the "
+        "surface that was brought onto it (Robust: the moved root; As published: the parent), in the mesh's unit; "
+        "<b>repaired_faces</b>: faces that were flipped before the "
         "repair; " +
             mapFiguresInfo() + "<br><br>" + paperReference(),
         host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};

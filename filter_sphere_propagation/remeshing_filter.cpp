@@ -3,7 +3,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
-#include "vcg_ext/remeshing/icosphere.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/landmark_colors.h"
 #include "vcg_ext/remeshing/remeshing.h"
 

@@ -1,23 +1,14 @@
 #pragma once
 /// What several filters tell the user in the same words: log lines, returned figures, references.
 
-#include <chrono>
 #include <string>
 #include <vector>
 
 #include "host/filter.h"
+#include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/map/map_measures.h"
 
 namespace sphere_propagation {
-
-/// Wall-clock time since it was made.
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// A number with three significant digits.
 std::string shortNumber(double value);

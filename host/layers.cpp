@@ -7,7 +7,7 @@
 
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/sphere_coordinates.h"
-#include "vcg_ext/remeshing/icosphere.h"
+#include "vcg_ext/mesh/icosphere.h"
 
 namespace sphere_propagation::host {
 namespace {

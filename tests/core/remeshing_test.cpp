@@ -7,7 +7,7 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/remeshing/icosphere.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/landmark_colors.h"
 
 namespace sphere_propagation::test {

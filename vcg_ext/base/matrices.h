@@ -12,4 +12,6 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// #F by 3 list of vertex indices, one triangle a row, counter-clockwise seen from outside.
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+constexpr double pi = 3.14159265358979323846;
+
 }  // namespace sphere_propagation

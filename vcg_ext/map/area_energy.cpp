@@ -11,7 +11,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double leastArea = 1e-5;  // of the mean face area
 /// The mesh's cotangents are blended with an equilateral triangle's: slivers of the mesh need not be slivers on the
 /// sphere.

@@ -16,7 +16,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Weight of the shape term in the end, beside an area term of 1: that of the default area-preserving map.
 constexpr double shapeWeight = 0.02 / 81;
 
@@ -40,15 +39,6 @@ std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Point
   return targets;
 }
 
-/// A third of the area of the faces around each vertex.
-Eigen::VectorXd vertexAreas(const ClosedSurface& surface) {
-  const Eigen::VectorXd areas = faceAreas(surface.vertices(), surface.faces());
-  Eigen::VectorXd shares = Eigen::VectorXd::Zero(surface.vertexCount());
-  for (Eigen::Index f = 0; f < areas.size(); ++f)
-    for (int k = 0; k < 3; ++k) shares[surface.faces()(f, k)] += areas[f] / 3;
-  return shares;
-}
-
 }  // namespace
 
 SphereMap restoreArea(const ClosedSurface& surface, const SphereMap& map, double amount, const Progress& progress) {
@@ -62,7 +52,8 @@ SphereMap restoreArea(const ClosedSurface& surface, const SphereMap& map, double
   AreaMinimiser minimiser(surface, targetsBetween(surface, map.positions(), amount));
   Points positions = map.positions();
   minimiseInStages(minimiser, {1, shapeWeight}, positions, progress);
-  const Eigen::Matrix3d covariance = map.positions().transpose() * vertexAreas(surface).asDiagonal() * positions;
+  const Eigen::Matrix3d covariance =
+      map.positions().transpose() * vertexAreas(surface.vertices(), surface.faces()).asDiagonal() * positions;
   positions *= bestRotation(covariance).transpose();
   report(progress, 1);
   return untangle(surface, std::move(positions)).map;  // turning may round a face away that was all but a line

@@ -12,8 +12,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 void checkPoles(const ClosedSurface& surface, const Poles& poles) {

@@ -3,7 +3,6 @@
 #include "vcg_ext/map/harmonic_map.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "vcg_ext/base/rotation.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/moebius_balancing.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -35,11 +35,8 @@ Points normalised(const Points& vertices) {
 
 /// The share of each vertex in the surface, #V.
 Eigen::VectorXd vertexShares(const Points& vertices, const Triangles& faces) {
-  const Eigen::VectorXd areas = faceAreas(vertices, faces);
-  Eigen::VectorXd shares = Eigen::VectorXd::Zero(vertices.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) shares[faces(f, k)] += areas[f];
-  return shares / shares.sum();
+  const Eigen::VectorXd areas = vertexAreas(vertices, faces);
+  return areas / areas.sum();
 }
 
 double weightedMedian(const Eigen::VectorXd& values, const Eigen::VectorXd& shares) {
@@ -134,11 +131,7 @@ Points projected(PlanePoints z, const Eigen::VectorXd& shares) {
 Points turnedLikeShape(const Points& positions, const Points& vertices, const Eigen::VectorXd& shares) {
   const Eigen::RowVector3d middle = shares.transpose() * vertices;
   const Eigen::Matrix3d covariance = (vertices.rowwise() - middle).transpose() * shares.asDiagonal() * positions;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3 signs = Vector3::Ones();
-  signs[2] = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  Points turned = positions * rotation.transpose();
+  Points turned = positions * bestRotation(covariance).transpose();
   turned.rowwise().normalize();
   return turned;
 }

@@ -9,7 +9,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double leastArea = 1e-5;  // of the mean face area
 
 }  // namespace

@@ -3,10 +3,6 @@
 #include <cmath>
 
 namespace sphere_propagation {
-namespace {
-constexpr double pi = 3.14159265358979323846;
-}
-
 Vector2 textureCoordinate(const Vector3& p) {
   const double across = std::hypot(p[0], p[1]);
   double u = across > 0 ? std::atan2(p[1], p[0]) / (2 * pi) : 0;

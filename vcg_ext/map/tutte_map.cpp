@@ -9,7 +9,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Of the polygon in the plane: at a colatitude of 79 degrees, so that most of the northern hemisphere is inside. Its
 /// sides span at most a third of the circle, less than a half, so the faces at the south pole do not flip.
 constexpr double radius = 5;

@@ -33,6 +33,14 @@ Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces) {
   return areas;
 }
 
+Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces) {
+  const Eigen::VectorXd areas = faceAreas(vertices, faces);
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(vertices.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) shares[faces(f, k)] += areas[f] / 3;
+  return shares;
+}
+
 Points faceNormals(const Points& vertices, const Triangles& faces) {
   Points normals(faces.rows(), 3);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) normals.row(f) = areaNormal(vertices, faces, f).transpose();

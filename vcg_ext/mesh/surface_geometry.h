@@ -10,6 +10,9 @@ namespace sphere_propagation {
 /// Area of each face, #F.
 Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces);
 
+/// A third of the area of the faces around each vertex, #V.
+Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces);
+
 /// Unit normal of each face, #F by 3; zero for a face without area.
 Points faceNormals(const Points& vertices, const Triangles& faces);
 

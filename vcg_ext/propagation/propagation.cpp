@@ -1,13 +1,14 @@
 #include "vcg_ext/propagation/propagation.h"
 
-#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/map/area_restoration.h"
+#include "vcg_ext/propagation/motion_propagation.h"
 #include "vcg_ext/propagation/robust_propagation.h"
 
 namespace sphere_propagation {
@@ -15,6 +16,8 @@ namespace {
 
 /// Of the time, where areas are restored: that takes several times as long as an arc.
 constexpr double propagationShare = 0.2;
+/// Of the time of method Robust, where no layer is lost.
+constexpr double followingShare = 0.95;
 
 void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap, const PropagationTree& tree,
                 const PropagationParameters& parameters) {
@@ -47,21 +50,12 @@ PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& re
   }
 }
 
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 /// Does something to every layer but the root, parents before their children; progress goes by vertices.
 void overArcs(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree, const Progress& progress,
               const std::function<void(int layer, const Progress& ofLayer)>& act) {
   double vertices = 0, done = 0;
   for (int i : tree.order)
     if (i != tree.root()) vertices += surfaces[i].vertexCount();
-  report(progress, 0);
   for (int i : tree.order) {
     if (i == tree.root()) continue;
     const double before = done;
@@ -81,8 +75,21 @@ std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surface
   std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
   layers[tree.root()] = PropagatedLayer{rootMap};
   const bool restores = parameters.areaRestoration > 0;
-  overArcs(surfaces, tree, part(progress, 0, restores ? propagationShare : 1), [&](int i, const Progress&) {
+  const Progress ofArcs = part(progress, 0, restores ? propagationShare : 1);
+  // Robust: the root's motion, followed through all layers; arc by arc where that loses a layer.
+  FollowedMotion followed;
+  followed.layers.resize(surfaces.size());
+  const bool follows = parameters.method == PropagationMethod::Robust;
+  report(progress, 0);
+  if (follows) followed = followMotion(surfaces, rootMap, tree, part(ofArcs, 0, followingShare));
+  overArcs(surfaces, tree, part(ofArcs, follows ? followingShare : 0, 1), [&](int i, const Progress&) {
     const int parent = tree.parent[i];
+    if (std::optional<FollowedLayer>& layer = followed.layers[i]) {
+      TransferredMap& read = layer->transferred;
+      layers[i] = {std::move(read.map), parent,        read.repairedFaces, read.residual.mean,
+                   read.residual.p95,   layer->seconds};
+      return;
+    }
     const Stopwatch watch;
     layers[i] = propagateArc(surfaces[parent], layers[parent]->map, surfaces[i], parameters);
     layers[i]->parent = parent;

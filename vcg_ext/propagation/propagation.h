@@ -12,7 +12,7 @@
 namespace sphere_propagation {
 
 enum class PropagationMethod {
-  Robust,       ///< robust_propagation.h
+  Robust,       ///< motion_propagation.h, and robust_propagation.h for layers that it loses
   AsPublished,  ///< published_propagation.h
 };
 

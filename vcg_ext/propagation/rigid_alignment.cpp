@@ -1,12 +1,12 @@
 #include "vcg_ext/propagation/rigid_alignment.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/rotation.h"
 
 namespace sphere_propagation {
 
@@ -21,11 +21,8 @@ RigidMotion fitRigid(const Points& from, const Points& to) {
         std::to_string(from.rows()) + " and " + std::to_string(to.rows()) + ".");
   const Eigen::RowVector3d fromCentroid = from.colwise().mean(), toCentroid = to.colwise().mean();
   const Eigen::Matrix3d covariance = (to.rowwise() - toCentroid).transpose() * (from.rowwise() - fromCentroid);
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // Without a reflection: the direction that matters least is the one turned round.
-  const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   RigidMotion motion;
-  motion.rotation = svd.matrixU() * Vector3(1, 1, handedness).asDiagonal() * svd.matrixV().transpose();
+  motion.rotation = bestRotation(covariance);
   motion.translation = toCentroid.transpose() - motion.rotation * fromCentroid.transpose();
   return motion;
 }

@@ -20,11 +20,8 @@ constexpr double agreement = 0.3;  // of normals, as in map_transfer.h
 
 /// A third of the area of the faces around each vertex, as a share of all.
 Eigen::VectorXd vertexShares(const Points& vertices, const Triangles& faces) {
-  const Eigen::VectorXd areas = faceAreas(vertices, faces);
-  Eigen::VectorXd shares = Eigen::VectorXd::Zero(vertices.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) shares[faces(f, k)] += areas[f];
-  return shares / shares.sum();
+  const Eigen::VectorXd areas = vertexAreas(vertices, faces);
+  return areas / areas.sum();
 }
 
 /// Where each point is drawn to: the closest point of a surface that looks the same way.
@@ -47,8 +44,7 @@ Points alignAffinely(const Points& points, const Triangles& faces, const ClosedS
   const Eigen::VectorXd shares = vertexShares(points, faces);
   const Eigen::RowVector3d centre = shares.transpose() * points;
   const Points centred = points.rowwise() - centre;
-  const Eigen::Matrix3d prior =
-      ridge * faceAreas(points, faces).sum() / (4 * 3.14159265358979323846) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d prior = ridge * faceAreas(points, faces).sum() / (4 * pi) * Eigen::Matrix3d::Identity();
   const Eigen::LDLT<Eigen::Matrix3d> normal(centred.transpose() * shares.asDiagonal() * centred + prior);
   Points moved = points;
   for (int i = 0; i < affineIterations; ++i) {

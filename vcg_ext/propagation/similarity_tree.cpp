@@ -39,17 +39,15 @@ Points spreadOver(const Points& points) {
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < count; ++i) {
     spread.row(i) = points.row(next);
-    distance = distance.cwiseMin((points.rowwise() - points.row(next)).rowwise().squaredNorm());
+    for (Eigen::Index j = 0; j < points.rows(); ++j)
+      distance[j] = std::min(distance[j], (points.row(j) - spread.row(i)).squaredNorm());
     distance.maxCoeff(&next);
   }
   return spread;
 }
 
 Shape shapeOf(const ClosedSurface& surface) {
-  const Eigen::VectorXd areas = faceAreas(surface.vertices(), surface.faces());
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(surface.vertexCount());
-  for (Eigen::Index f = 0; f < areas.size(); ++f)
-    for (int k = 0; k < 3; ++k) weights[surface.faces()(f, k)] += areas[f];
+  Eigen::VectorXd weights = vertexAreas(surface.vertices(), surface.faces());
   weights /= weights.sum();
   const Eigen::RowVector3d centre = weights.transpose() * surface.vertices();
   const Points centred = surface.vertices().rowwise() - centre;

@@ -14,8 +14,6 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 constexpr double wallThickness = 9, thickening = 0.45, radialContraction = 0.36, shortening = 0.16;
 constexpr int maskRows = 400;  // of a sheet, from apex to base; twice as many round the axis
 

@@ -1,4 +1,4 @@
-#include "vcg_ext/remeshing/icosphere.h"
+#include "vcg_ext/mesh/icosphere.h"
 
 #include <array>
 #include <cmath>

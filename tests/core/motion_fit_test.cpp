@@ -1,0 +1,84 @@
+#include "vcg_ext/propagation/motion_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "tests/core/test_meshes.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// An ellipsoid on a mesh of its own for each phase, moved as a whole by `shift` per phase.
+struct Sequence {
+  std::vector<ClosedSurface> surfaces;
+  Points rootMap;
+  Sequence(int layers, const Vector3& shift, double breathing) {
+    for (int i = 0; i < layers; ++i) {
+      test::Mesh mesh =
+          test::transformed(test::icosphereMesh(7 + i % 2), test::randomRotation(40 + i), 1, Vector3::Zero());
+      if (i == 0) rootMap = mesh.vertices;
+      const double size = 1 - breathing * std::sin(3.14159265358979323846 * i / layers);
+      mesh.vertices *= (size * Vector3(40, 28, 20)).asDiagonal();
+      mesh.vertices.rowwise() += (i * shift).transpose();
+      surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
+    }
+  }
+  MotionModel model() const { return MotionModel(surfaces[0], SphereMap(surfaces[0], rootMap)); }
+};
+
+TEST(MotionFit, RecoversATranslation) {
+  const Sequence sequence(2, Vector3(2, -1, 1), 0);
+  const MotionModel model = sequence.model();
+  MotionVariances variances{1e-6, 10, 1e-6, 1e-6};
+  const MotionFit fit =
+      fitMotion(model, sequence.surfaces, star(2, 0), {variances.diagonal().cwiseInverse().asDiagonal(), 6});
+  EXPECT_EQ(fit.coefficients[0].norm(), 0);
+  const Vector3 found = fit.coefficients[1].segment<3>(MotionModel::localColumns);
+  EXPECT_LT((found - Vector3(2, -1, 1)).norm(), 0.1);
+}
+
+TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
+  const Sequence sequence(6, Vector3(1, 0, 0), 0.3);
+  const MotionModel model = sequence.model();
+  const MotionFit fit = fitMotion(model, sequence.surfaces, timeOrder(6, 0), fixedMotionPrior());
+  for (int t = 1; t < 6; ++t) {
+    const SurfaceLocator locator(sequence.surfaces[t].vertices(), sequence.surfaces[t].faces());
+    const Points moved = model.movedNodes(fit.coefficients[t]);
+    double sum = 0;
+    for (Eigen::Index i = 0; i < moved.rows(); ++i) sum += locator.closest(moved.row(i).transpose()).distance;
+    EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
+  }
+}
+
+TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
+  const Sequence sequence(2, Vector3(0, 0, 0), 0.2);
+  const MotionModel model = sequence.model();
+  const MotionPrior prior = fixedMotionPrior();
+  const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0), prior);
+  const ArcEquations& e = fit.equations[1];
+  EXPECT_LT((e.matrix - e.matrix.transpose()).norm(), 1e-9 * e.matrix.norm());
+  EXPECT_LT(((e.matrix + prior.precision) * fit.coefficients[1] - e.vector).norm(), 1e-8 * e.vector.norm());
+  EXPECT_EQ(fit.equations[0].vector.size(), 0);
+}
+
+TEST(MotionPrior, TheFixedOneIsDiagonal) {
+  const MotionPrior prior = fixedMotionPrior();
+  EXPECT_EQ(prior.precision(0, 0), 1);
+  EXPECT_EQ(prior.precision(MotionModel::localColumns, MotionModel::localColumns), 2);
+  EXPECT_EQ(prior.precision.diagonal().asDiagonal().toDenseMatrix(), prior.precision);
+}
+
+TEST(MotionPrior, LearnsThatASequenceTravels) {
+  const Sequence staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
+  const auto learnt = [](const Sequence& sequence) {
+    return learnMotionPrior(sequence.model(), sequence.surfaces, cyclicTimeOrder(14, 0));
+  };
+  const LearntPrior still = learnt(staying), moved = learnt(travelling);
+  EXPECT_GT(moved.variances.translation, 5 * still.variances.translation);
+  const Eigen::LLT<Eigen::MatrixXd> factor(still.prior.precision);
+  EXPECT_EQ(factor.info(), Eigen::Success);  // positive definite
+}
+
+}  // namespace
+}  // namespace sphere_propagation

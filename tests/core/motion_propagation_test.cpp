@@ -1,0 +1,82 @@
+#include "vcg_ext/propagation/motion_propagation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "tests/core/test_meshes.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// A contracting ellipsoid, images of one sphere: the map of each phase is known.
+struct Contraction {
+  std::vector<ClosedSurface> surfaces;
+  std::vector<Points> maps;
+  explicit Contraction(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(), double scale = 1) {
+    for (int i = 0; i < layers; ++i) {
+      const test::Mesh sphere =
+          test::transformed(test::icosphereMesh(8 + i % 2), test::randomRotation(70 + i), 1, Vector3::Zero());
+      const double c = 0.25 * std::sin(3.14159265358979323846 * i / layers);
+      test::Mesh mesh = sphere;
+      mesh.vertices *= Vector3(40 * (1 - 0.5 * c), 28 * (1 - c), 20 * (1 - c)).asDiagonal();
+      mesh = test::transformed(mesh, rotation, scale, Vector3::Zero());
+      maps.push_back(sphere.vertices);
+      surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
+    }
+  }
+  FollowedMotion follow(const PropagationTree& tree) const {
+    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree);
+  }
+};
+
+TEST(MotionPropagation, ToTheSameSurfaceIsTheIdentity) {
+  const Contraction one(1);
+  const std::vector<ClosedSurface> twice = {one.surfaces[0], one.surfaces[0]};
+  const FollowedMotion followed = followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0));
+  ASSERT_TRUE(followed.layers[1]);
+  EXPECT_FALSE(followed.layers[0]);
+  EXPECT_LT((followed.layers[1]->transferred.map.positions() - one.maps[0]).rowwise().norm().maxCoeff(), 0.02);
+}
+
+TEST(MotionPropagation, FollowsAContraction) {
+  const Contraction sequence(12);
+  const FollowedMotion followed = sequence.follow(cyclicTimeOrder(12, 0));
+  ASSERT_TRUE(followed.learnt);
+  for (int t = 1; t < 12; ++t) {
+    ASSERT_TRUE(followed.layers[t]) << t;
+    const Points& found = followed.layers[t]->transferred.map.positions();
+    EXPECT_LT((found - sequence.maps[t]).rowwise().norm().mean(), 0.03) << t;  // about a degree and a half
+  }
+}
+
+TEST(MotionPropagation, LearnsWhereThereIsEnoughToLearnFrom) {
+  EXPECT_FALSE(Contraction(11).follow(timeOrder(11, 0)).learnt);
+  EXPECT_TRUE(Contraction(12).follow(timeOrder(12, 0)).learnt);
+}
+
+TEST(MotionPropagation, TurnsWithTheSurfacesAndHasNoUnit) {
+  const PropagationTree tree = cyclicTimeOrder(12, 0);
+  const FollowedMotion here = Contraction(12).follow(tree);
+  const FollowedMotion there = Contraction(12, test::randomRotation(5), 1000).follow(tree);
+  for (int t = 1; t < 12; ++t)
+    EXPECT_LT((here.layers[t]->transferred.map.positions() - there.layers[t]->transferred.map.positions())
+                  .rowwise()
+                  .norm()
+                  .maxCoeff(),
+              1e-6);
+}
+
+TEST(MotionPropagation, GivesUpLayersThatItLosesAndThoseBehind) {
+  Contraction sequence(4);
+  test::Mesh far{sequence.surfaces[2].vertices(), sequence.surfaces[2].faces()};
+  far.vertices.rowwise() += Eigen::RowVector3d(500, 0, 0);
+  sequence.surfaces[2] = ClosedSurface(far.vertices, far.faces, "far away");
+  const FollowedMotion followed = sequence.follow(timeOrder(4, 0));
+  EXPECT_TRUE(followed.layers[1]);
+  EXPECT_FALSE(followed.layers[2]);
+  EXPECT_FALSE(followed.layers[3]);
+}
+
+}  // namespace
+}  // namespace sphere_propagation

@@ -1,0 +1,17 @@
+#pragma once
+/// Wall-clock time.
+
+#include <chrono>
+
+namespace sphere_propagation {
+
+/// Time since it was made.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace sphere_propagation

@@ -1,0 +1,64 @@
+#pragma once
+/// Fitting a motion model to a sequence of surfaces, one arc of a propagation tree after the other.
+///
+/// From layer s to layer t, c_t minimises
+///   sum_i A_i w_i (m_i . (x_i(c_t) - p_i))^2 (A0/2) / (kappa At^2)  +  (c_t - c_s)^T Sigma^-1 (c_t - c_s),
+/// p_i the closest point of layer t whose face normal agrees with the template's normal, m_i the layer's normal there,
+/// w_i a robust weight, A0 and At the mean vertex areas of the moving surface and of the layer. Point to plane only:
+/// where a surface slides along itself, the prior Sigma decides. c counts in units of sqrt(A0/2), so that Sigma has no
+/// unit.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/propagation/motion_model.h"
+#include "vcg_ext/propagation/propagation_tree.h"
+
+namespace sphere_propagation {
+
+/// Variances of the four blocks of coefficients.
+struct MotionVariances {
+  double local = 1, translation = 1, strain = 1, rotation = 1;
+  /// One entry per column of the model.
+  Eigen::VectorXd diagonal() const;
+};
+
+/// What is expected of an arc before its layer is seen.
+struct MotionPrior {
+  Eigen::MatrixXd precision;  ///< Sigma^-1, columns by columns
+  double noise = 6;           ///< kappa
+};
+
+/// The prior where nothing can be learnt: too few layers, or no order in time.
+MotionPrior fixedMotionPrior();
+
+/// Normal equations of an arc's data term, linearised where its fit ended: H (c - c_s) = h.
+struct ArcEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd vector;
+};
+
+struct MotionFit {
+  std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
+  std::vector<ArcEquations> equations;        ///< of each layer; empty at the root
+};
+
+/// Fits all layers of a tree. surfaces: the layers; tree: with the moving surface as root.
+MotionFit fitMotion(const MotionModel& model, const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
+                    const MotionPrior& prior, const Progress& progress = {});
+
+/// The prior learnt from the sequence itself.
+struct LearntPrior {
+  MotionPrior prior;
+  MotionVariances variances;  ///< that it was drawn towards
+};
+
+/// Learns how much this sequence translates, strains and rotates from arc to arc, then the full covariance:
+/// (1) a fit with a wide prior; (2) expectation-maximisation of the three affine variances over its arcs, the local
+/// coefficients integrated out and the noise tempered; (3) of the full covariance, drawn towards (2).
+/// For sequences in time of about a dozen layers or more.
+LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<ClosedSurface>& surfaces,
+                             const PropagationTree& tree, const Progress& progress = {});
+
+}  // namespace sphere_propagation

@@ -1,0 +1,63 @@
+#pragma once
+/// A low-rank model of how a surface moves: a Gaussian process on a template of it.
+///
+///   x_i(c) = X_i + B_i c,   i over the nodes of the template, c the coefficients
+///
+/// The template is the icosphere through the surface's map. B has local columns, a factor of the Gaussian kernel
+/// exp(-|X_i - X_j|^2 / 2 (0.35 R)^2) for each coordinate, and twelve affine ones: translation, strain, rotation. The
+/// kernel measures straight through space, so both sides of a thin wall move together. All lengths are relative to R,
+/// the radius of the sphere of the template's area: the model has no unit.
+///
+/// M. Luethi, T. Gerig, C. Jud, T. Vetter, Gaussian process morphable models, 2018; the columns by pivoted Cholesky
+/// decomposition: H. Harbrecht, M. Peters, R. Schneider, On the low-rank approximation by the pivoted Cholesky
+/// decomposition, 2012.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "vcg_ext/map/sphere_map.h"
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/mesh/surface_locator.h"
+
+namespace sphere_propagation {
+
+class MotionModel {
+ public:
+  static constexpr int kernelColumns = 80;
+  static constexpr int localColumns = 3 * kernelColumns;
+  /// Columns of translation, strain and rotation, in this order behind the local ones.
+  static constexpr int translationColumns = 3, strainColumns = 6, rotationColumns = 3;
+  static constexpr int affineColumns = translationColumns + strainColumns + rotationColumns;
+  static constexpr int columns = localColumns + affineColumns;
+
+  /// surface: the one that moves; map: its map.
+  MotionModel(const ClosedSurface& surface, const SphereMap& map);
+
+  const Points& nodes() const { return nodes_; }             ///< X, #N by 3
+  const Triangles& faces() const { return faces_; }          ///< of the template
+  const Eigen::VectorXd& areas() const { return areas_; }    ///< #N, a third of the area of the faces round each node
+  double meanVertexArea() const { return meanVertexArea_; }  ///< of the surface that moves
+
+  /// The nodes moved by coefficients c: #N by 3.
+  Points movedNodes(const Eigen::VectorXd& c) const;
+  /// The vertices of the surface itself, moved with the template (interpolated in the face of the icosphere that their
+  /// map lies in): #V by 3.
+  Points movedVertices(const Eigen::VectorXd& c) const;
+  /// B_i^T m: what a coefficient moves node i along the direction m. Length `columns`.
+  void project(int i, const Vector3& m, double* row) const;
+
+ private:
+  Points displacements(const Eigen::VectorXd& c) const;
+
+  Points nodes_;
+  Triangles faces_;
+  Eigen::VectorXd areas_;
+  double meanVertexArea_ = 0;
+  Eigen::Matrix<double, Eigen::Dynamic, kernelColumns, Eigen::RowMajor>
+      kernel_;                      // #N by 80, one factor for all coordinates
+  Points arms_;                     // (X - centre) / R, #N by 3
+  Points vertices_;                 // of the surface
+  std::vector<SurfacePoint> site_;  // where each vertex lies in the template
+};
+
+}  // namespace sphere_propagation

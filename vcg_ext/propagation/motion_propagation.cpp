@@ -1,0 +1,60 @@
+#include "vcg_ext/propagation/motion_propagation.h"
+
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// The map of a layer read off the moved root; empty where the fit lost the layer.
+std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap& rootMap, const Points& moved,
+                                      const ClosedSurface& layer) {
+  try {
+    TransferredMap map = transferMap(root, rootMap, moved, layer);
+    const double most = mostResidualInEdges * meanEdgeLength(layer.vertices(), layer.faces());
+    if (map.residual.mean <= most) return map;
+  } catch (const MapError&) {
+    // Too far from a map to be repaired: lost as well.
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
+                            const PropagationTree& tree, const Progress& progress) {
+  const Stopwatch fitting;
+  const ClosedSurface& root = surfaces[static_cast<size_t>(tree.root())];
+  FollowedMotion followed;
+  followed.layers.resize(surfaces.size());
+  if (surfaces.size() == 1) return followed;
+  const MotionModel model(root, rootMap);
+  const bool learns = tree.size() - 1 >= leastArcsToLearnFrom;
+  MotionPrior prior = fixedMotionPrior();
+  if (learns) {
+    LearntPrior learnt = learnMotionPrior(model, surfaces, tree, part(progress, 0, 0.5));
+    prior = std::move(learnt.prior);
+    followed.learnt = learnt.variances;
+  }
+  const MotionFit fit = fitMotion(model, surfaces, tree, prior, part(progress, learns ? 0.5 : 0, 0.75));
+  const double share = fitting.seconds() / static_cast<double>(surfaces.size() - 1);
+
+  double done = 0;
+  for (int t : tree.order) {
+    const auto i = static_cast<size_t>(t);
+    const int parent = tree.parent[i];
+    const bool parentIsThere = parent == tree.root() || (parent >= 0 && followed.layers[static_cast<size_t>(parent)]);
+    if (parentIsThere) {
+      const Stopwatch reading;
+      std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(fit.coefficients[i]), surfaces[i]);
+      if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
+    }
+    report(progress, 0.75 + 0.25 * ++done / static_cast<double>(surfaces.size()));
+  }
+  return followed;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,40 @@
+#pragma once
+/// Propagation by following the root's motion through all layers, instead of handing its map from layer to layer.
+///
+/// The root's surface is moved onto each layer by a low-rank motion model (motion_model.h) that is fitted along the
+/// tree (motion_fit.h), and the layer's map is read off the moved root (map_transfer.h). Nothing is resampled on the
+/// way, so nothing is lost but what the fits lose; and what surfaces cannot show, how they slide along themselves, is
+/// decided by a prior that is learnt from the sequence where it is long enough.
+
+#include <optional>
+#include <vector>
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/propagation/map_transfer.h"
+#include "vcg_ext/propagation/motion_fit.h"
+#include "vcg_ext/propagation/propagation_tree.h"
+
+namespace sphere_propagation {
+
+/// The least number of arcs that a prior is learnt from.
+constexpr int leastArcsToLearnFrom = 11;
+/// A fit that leaves the layer's vertices farther off on average, in mean edge lengths of the layer, has lost it.
+constexpr double mostResidualInEdges = 2;
+
+struct FollowedLayer {
+  TransferredMap transferred;
+  double seconds = 0;  ///< wall clock: its reading, and its share of the fits
+};
+
+struct FollowedMotion {
+  /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too large, its map cannot
+  /// be repaired, or the layer that it comes from was lost.
+  std::vector<std::optional<FollowedLayer>> layers;
+  std::optional<MotionVariances> learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
+};
+
+/// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer.
+FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
+                            const PropagationTree& tree, const Progress& progress = {});
+
+}  // namespace sphere_propagation
