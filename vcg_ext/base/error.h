@@ -21,20 +21,20 @@ class ParameterError : public Error {
 class SurfaceError : public Error {
  public:
   enum class Defect {
-    Empty,                     ///< no faces
-    TooFewVertices,            ///< fewer than four
-    NonFiniteCoordinate,       ///< NaN or infinite
-    IndexOutOfRange,           ///< a face refers to a vertex that is not there
-    DegenerateFace,            ///< a face uses one vertex twice
-    NonManifoldEdge,           ///< more than two faces at an edge
-    NotClosed,                 ///< one face at an edge
-    InconsistentOrientation,   ///< two faces run along an edge in the same direction
-    UnreferencedVertex,        ///< in no face
-    NonManifoldVertex,         ///< the faces around it are more than one fan
-    SeveralParts,              ///< more than one connected component
-    Handles,                   ///< genus above 0
-    InwardOrientation,         ///< encloses a negative volume
-    ZeroArea,                  ///< no face has an area
+    Empty,                    ///< no faces
+    TooFewVertices,           ///< fewer than four
+    NonFiniteCoordinate,      ///< NaN or infinite
+    IndexOutOfRange,          ///< a face refers to a vertex that is not there
+    DegenerateFace,           ///< a face uses one vertex twice
+    NonManifoldEdge,          ///< more than two faces at an edge
+    NotClosed,                ///< one face at an edge
+    InconsistentOrientation,  ///< two faces run along an edge in the same direction
+    UnreferencedVertex,       ///< in no face
+    NonManifoldVertex,        ///< the faces around it are more than one fan
+    SeveralParts,             ///< more than one connected component
+    Handles,                  ///< genus above 0
+    InwardOrientation,        ///< encloses a negative volume
+    ZeroArea,                 ///< no face has an area
   };
   SurfaceError(Defect what, long howMany, long firstIndex, const std::string& text)
       : Error(text), defect(what), count(howMany), first(firstIndex) {}
@@ -46,8 +46,7 @@ class SurfaceError : public Error {
 /// Positions on the sphere are no valid map, or no valid map could be reached.
 class MapError : public Error {
  public:
-  MapError(long howMany, long firstIndex, const std::string& text)
-      : Error(text), count(howMany), first(firstIndex) {}
+  MapError(long howMany, long firstIndex, const std::string& text) : Error(text), count(howMany), first(firstIndex) {}
   long count;  ///< how many faces (or vertices, as the text says) are concerned
   long first;  ///< index of the first of them; -1 where none can be named
 };
