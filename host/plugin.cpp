@@ -125,6 +125,8 @@ std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action, const
     bool& flag;
     explicit Running(bool& f) : flag(f) { flag = true; }
     ~Running() { flag = false; }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
   } running(running_);
   const FilterDescription& description = descriptions_.at(static_cast<size_t>(ID(action)));
   // Hosts survive their own exception only.

@@ -24,6 +24,8 @@ class Plugin : public FilterPlugin {
  public:
   Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters);
   ~Plugin() override;
+  Plugin(const Plugin&) = delete;
+  Plugin& operator=(const Plugin&) = delete;
 
   QString pluginName() const override { return name_; }
   QString vendor() const override { return "Sphere Propagation"; }

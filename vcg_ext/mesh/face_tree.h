@@ -16,7 +16,7 @@ class FaceTree {
  public:
   struct Face {
     std::array<Vector3, 3> corner;
-    int index;  ///< in the mesh
+    int index = -1;  ///< in the mesh
   };
 
   /// vertices: #V by 3, finite; faces: #F by 3, at least one; margin: by how much the boxes are larger than the faces

@@ -103,6 +103,7 @@ AffineSystem withoutLocal(const ArcEquations& e, double localVariance) {
 
 MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {
   std::vector<AffineSystem> systems;
+  systems.reserve(equations.size());
   for (const ArcEquations& e : equations) systems.push_back(withoutLocal(e, startVariances.local));
   MotionVariances variances = startVariances;
   for (int round = 0; round < varianceRounds; ++round) {
