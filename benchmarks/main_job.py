@@ -55,6 +55,8 @@ def main():
     here = Path(__file__).resolve().parents[1]
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data"))
     plugin = os.environ.get("SPHERE_PROPAGATION_PLUGIN", here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so")
+    if not (data.parent / "yardstick/measure.py").exists():
+        sys.exit(f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and heart_truth.")
     sys.path.insert(0, str(data.parent / "yardstick"))
     import measure
     import phantom

@@ -7,6 +7,9 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/propagation/motion_propagation.h"
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/propagation/similarity_tree.h"
 
@@ -83,7 +86,9 @@ class PropagationFilter : public host::Filter {
         "the tree; each vertex takes the sphere position at the closest point of the moved root whose normal agrees, "
         "and "
         "faces that flip are untangled locally. How much tissue tends to travel, stretch and turn is learnt from the "
-        "sequence where it has twelve layers or more. A layer that the fit loses gets the map of its parent instead, "
+        "sequence where it has twelve layers or more. All layers must share one coordinate frame and unit. A layer "
+        "that the "
+        "fit loses gets the map of its parent instead (the log says so), "
         "brought onto it by an affine alignment.<br>"
         "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
         "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
@@ -139,11 +144,7 @@ class PropagationFilter : public host::Filter {
     const MeshSurface& rootMesh = sequence.meshes[static_cast<size_t>(sequence.root)];
     const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
     const std::optional<SphereMap> rootMap = rootLayer.map(rootMesh);
-    if (!rootMap)
-      throw MapError(0, -1,
-                     "Layer \"" + rootLayer.label() +
-                         "\" is the root and has no map. Make it the current layer and run \"Spherical parameterise "
-                         "root\", or choose a root layer that has a map.");
+    if (!rootMap) throw MapError(0, -1, whyNoMap(rootLayer, rootMesh));
     std::vector<ClosedSurface> surfaces;
     surfaces.reserve(sequence.meshes.size());
     for (const MeshSurface& mesh : sequence.meshes) surfaces.push_back(mesh.surface);
@@ -161,6 +162,30 @@ class PropagationFilter : public host::Filter {
   }
 
  private:
+  static std::string whyNoMap(const host::Layer& layer, const MeshSurface& mesh) {
+    std::string text = "Layer \"" + layer.label() + "\" is the root and has no map.";
+    if (layer.hasAttribute())
+      text = "Layer \"" + layer.label() + "\" is the root, and its map is not valid (any more): " +
+             certify(mesh.surface.faces(), *layer.storedPositions(mesh)).reason() + ".";
+    return text +
+           " Make it the current layer and run \"Spherical parameterise root\", or choose a root layer that has a "
+           "map.";
+  }
+
+  /// What the user should know about how a layer got its map; usually nothing.
+  static std::string warning(const host::Layer& layer, const MeshSurface& mesh, const PropagatedLayer& propagated) {
+    std::string text;
+    if (propagated.route == Route::Alignment)
+      text = "the motion fit lost it, so the map comes from its parent, aligned";
+    if (propagated.route == Route::Published)
+      text = "the motion fit lost it and alignment gave no map, so the map comes from its parent, as published";
+    const double edges = propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
+    if (edges > mostResidualInEdges)
+      text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
+              " edge lengths off on average, so it may be another shape, in another pose or in another unit";
+    return text.empty() ? text : "Warning: " + layer.label() + ": " + text + ".";
+  }
+
   /// The current layer if it has a map, else the first surface layer that has one, else the current layer.
   static int defaultRootId(const host::Layers& layers) {
     const int current = layers.currentId();
@@ -247,6 +272,8 @@ class PropagationFilter : public host::Filter {
                 shortNumber(layer.seconds) + " s";
       }
       task.log(line);
+      if (const std::string text = warning(sequence.layers[i], sequence.meshes[i], layer); !text.empty())
+        task.log(text);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
     host::Outputs outputs = {{"parent", parent},

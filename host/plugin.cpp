@@ -129,6 +129,14 @@ std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action, const
     Running& operator=(const Running&) = delete;
   } running(running_);
   const FilterDescription& description = descriptions_.at(static_cast<size_t>(ID(action)));
+  // PyMeshLab leaves the log of a MeshSet with the plugin when a filter throws, also after that MeshSet is gone.
+  struct ForgetLogOnError {
+    FilterPlugin& plugin;
+    const int before = std::uncaught_exceptions();
+    ~ForgetLogOnError() {
+      if (std::uncaught_exceptions() > before) plugin.setLog(nullptr);
+    }
+  } forgetLogOnError{*this};
   // Hosts survive their own exception only.
   try {
     Changes changes(document);

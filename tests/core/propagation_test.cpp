@@ -133,6 +133,8 @@ TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   ASSERT_FALSE(followMotion(surfaces, root, tree).layers[1]);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree);
   const RobustPropagation arc = propagateRobustly(surfaces[0], root, surfaces[1]);
+  EXPECT_EQ(layers[1].route, Route::Alignment);
+  EXPECT_EQ(layers[0].route, Route::Method);
   EXPECT_EQ(layers[1].map.positions(), arc.map.positions());
   EXPECT_EQ(layers[1].repairedFaces, arc.repairedFaces);
   EXPECT_EQ(layers[1].residualMean, arc.residualMean);

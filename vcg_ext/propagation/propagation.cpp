@@ -37,12 +37,17 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
 PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& referenceMap, const ClosedSurface& target,
                              const PropagationParameters& parameters) {
   try {
-    if (parameters.method == PropagationMethod::AsPublished) {
-      PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
-      return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95};
+    if (parameters.method == PropagationMethod::Robust) {
+      try {
+        RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
+        return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment};
+      } catch (const MapError&) {
+        // Shapes that differ much: the published steps smooth all of the map, and so reach a valid one more often.
+      }
     }
-    RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
-    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95};
+    PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
+    const Route route = parameters.method == PropagationMethod::Robust ? Route::Published : Route::Method;
+    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route};
   } catch (const MapError& error) {  // names the target, but knows nothing of the tree
     throw MapError(error.count, error.first,
                    std::string(error.what()) + " They come from layer \"" + reference.name() +

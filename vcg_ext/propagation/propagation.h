@@ -12,7 +12,7 @@
 namespace sphere_propagation {
 
 enum class PropagationMethod {
-  Robust,       ///< motion_propagation.h, and robust_propagation.h for layers that it loses
+  Robust,       ///< motion_propagation.h; for layers that it loses robust_propagation.h, then the published steps
   AsPublished,  ///< published_propagation.h
 };
 
@@ -24,6 +24,13 @@ struct PropagationParameters {
   double areaRestoration = 0;
 };
 
+/// How a layer got its map.
+enum class Route {
+  Method,     ///< by the method asked for
+  Alignment,  ///< Robust, but the motion fit lost the layer: from its parent, aligned (robust_propagation.h)
+  Published,  ///< Robust, but that could not be repaired either: from its parent, as published
+};
+
 struct PropagatedLayer {
   SphereMap map;
   int parent = -1;          ///< the layer that the map comes from; -1 for the root
@@ -31,6 +38,7 @@ struct PropagatedLayer {
   double residualMean = 0;  ///< distance of the layer's vertices from its parent as brought onto it
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
   double seconds = 0;       ///< spent on this layer, wall clock
+  Route route = Route::Method;
 };
 
 /// surfaces: the layers, in the order of the tree's numbers; rootMap: the map of surfaces[tree.root()]; tree: one entry

@@ -1,0 +1,61 @@
+"""Layers that the motion fit loses: valid maps all the same, and a word about them in the log."""
+import subprocess
+import sys
+
+import numpy as np
+import pymeshlab
+import pytest
+from environment import PLUGIN, files_of
+
+ROOT = "compute_spherical_parameterisation_root"
+PROPAGATE = "transfer_spherical_parameterisation_to_layers"
+
+SCRIPT = f"""
+import pymeshlab
+pymeshlab.load_plugin({str(PLUGIN)!r})
+ms = pymeshlab.MeshSet(verbose=True)
+ms.apply_filter("create_ventricle_phantom", phases=3, voxel_size=4)
+ms.set_current_mesh(1)
+ms.apply_filter("compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500)
+ms.set_current_mesh(0)
+"""
+
+
+def log_of(script):
+    run = subprocess.run([sys.executable, "-c", SCRIPT + script], capture_output=True, text=True, check=True)
+    return run.stdout + run.stderr
+
+
+def test_the_log_says_which_layer_was_lost():
+    log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})")
+    assert "Warning: phantom cavity 01: the motion fit lost it" in log
+    assert "Warning: phantom cavity 00" not in log
+
+
+def test_a_filter_error_does_not_leave_a_dead_log_behind():
+    """PyMeshLab keeps a MeshSet's log in the plugin when a filter throws, also after that MeshSet is gone."""
+    log = log_of(f"""
+other = pymeshlab.MeshSet()
+other.apply_filter("create_ventricle_phantom", phases=1, voxel_size=4)
+try:
+    ms.apply_filter("generate_icosphere_remeshing")
+except pymeshlab.PyMeshLabException:
+    pass
+del ms
+other.apply_filter({ROOT!r})
+print("still here")
+""")
+    assert "still here" in log
+
+
+@pytest.mark.parametrize("order", ["Time", "Star", "Similarity tree"])
+def test_skulls_of_several_species_get_valid_maps(order):
+    meshes = pymeshlab.MeshSet()
+    files = files_of("finch_skulls")
+    for file in files:
+        meshes.load_new_mesh(str(file))
+    meshes.set_current_mesh(0)
+    meshes.apply_filter(ROOT)
+    figures = meshes.apply_filter(PROPAGATE, order=order)
+    assert len(figures["flipped_faces"]) == len(files)
+    assert np.all(figures["flipped_faces"] == 0)
