@@ -18,7 +18,7 @@ namespace {
 
 enum class Order { Time, CyclicTime, SimilarityTree, Star, Given };
 
-/// "1, 2, -1 2": numbers between anything that is no digit or sign.
+/// "1, 2; -1 2": whole numbers between commas, semicolons and blanks.
 std::vector<int> parseNumbers(const std::string& text) {
   std::string spaced = text;
   std::replace_if(

@@ -10,10 +10,6 @@ std::string shortNumber(double value) {
   return buffer;
 }
 
-std::string counted(long count, const std::string& noun, const std::string& plural) {
-  return std::to_string(count) + " " + (count == 1 ? noun : plural);
-}
-
 std::string describeMap(const std::string& label, const ClosedSurface& surface, const MapMeasures& measures) {
   std::string line = label + ": " + counted(surface.vertexCount(), "vertex", "vertices") + ", " +
                      counted(measures.certificate.flippedFaces, "flipped face", "flipped faces") + ", area ratio sd " +

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/filter.h"
+#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/map/map_measures.h"
 
@@ -12,9 +13,6 @@ namespace sphere_propagation {
 
 /// A number with three significant digits.
 std::string shortNumber(double value);
-
-/// `1 vertex`, `12 vertices`.
-std::string counted(long count, const std::string& noun, const std::string& plural);
 
 /// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
 std::string describeMap(const std::string& label, const ClosedSurface& surface, const MapMeasures& measures);

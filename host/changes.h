@@ -21,8 +21,8 @@ struct NewLayer {
   LayerKind kind = LayerKind::Surface;
   Points vertices;
   Triangles faces;
-  std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors;  ///< per vertex
-  std::map<std::string, Points> pointAttributes;                                           ///< per vertex
+  std::optional<Colors> colors;                   ///< per vertex
+  std::map<std::string, Points> pointAttributes;  ///< per vertex
 };
 
 class Changes {

@@ -111,10 +111,9 @@ bool Layer::hasMap() const {
   }
 }
 
-std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> Layer::colors(
-    const MeshSurface& surface) const {
+std::optional<Colors> Layer::colors(const MeshSurface& surface) const {
   if (!mesh_->hasDataMask(MeshModel::MM_VERTCOLOR)) return std::nullopt;
-  Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor> colors(surface.surface.vertexCount(), 3);
+  Colors colors(surface.surface.vertexCount(), 3);
   for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
     const auto& c = mesh_->cm.vert[static_cast<size_t>(surface.meshVertex[v])].cC();
     colors.row(static_cast<Eigen::Index>(v)) << c[0], c[1], c[2];

@@ -7,6 +7,7 @@
 
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/vcg_conversion.h"
+#include "vcg_ext/remeshing/landmark_colors.h"
 
 class MeshDocument;
 class MeshModel;
@@ -51,8 +52,7 @@ class Layer {
   /// Whether it carries a map; quick, and false where the layer is no closed surface.
   bool hasMap() const;
   /// Red, green, blue of each vertex of the surface, if the layer has colours of its own.
-  std::optional<Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>> colors(
-      const MeshSurface& surface) const;
+  std::optional<Colors> colors(const MeshSurface& surface) const;
 
  private:
   std::optional<Points> attributePositions(const MeshSurface& surface) const;

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "vcg_ext/base/counted.h"
+
 namespace sphere_propagation {
 namespace {
 
@@ -27,11 +29,6 @@ struct Tally {
   std::ostringstream text;
   text << "Layer \"" << name << "\": " << what << ". " << remedy;
   throw SurfaceError(defect, tally.count, tally.first, text.str());
-}
-
-/// "1 edge", "12 edges".
-std::string counted(long count, const std::string& noun, const std::string& plural) {
-  return std::to_string(count) + " " + (count == 1 ? noun : plural);
 }
 
 /// Vertices that lie exactly where another one lies: what is left of a mesh whose faces were stored one by one.
