@@ -1,7 +1,7 @@
 # Where MeshLab's headers are, and add_meshlab_plugin(NAME SOURCES...).
 #
 # MESHLAB_SOURCE_DIR  an unpacked MeshLab source tree; scripts/build finds or fetches one and names it here
-# MESHLAB_VERSION     what the host checks, e.g. 2025.07d (double) or 2025.07 (float)
+# MESHLAB_VERSION     what the host checks, e.g. 2025.07d (double), 2025.07 (float) or 2020.09
 # MESHLAB_SCALAR      double or float; must be the host's
 
 if(DEFINED ENV{XDG_CACHE_HOME})
@@ -37,6 +37,12 @@ if(SPHERE_PROPAGATION_PLUGINS)
   target_include_directories(meshlab_headers SYSTEM INTERFACE ${MESHLAB_SOURCE_DIR}/src)
   target_compile_definitions(meshlab_headers INTERFACE
     MESHLAB_VERSION=${MESHLAB_VERSION} MESHLAB_SCALAR=${MESHLAB_SCALAR})
+  # The interfaces of MeshLab 2021 and later, or those of 2020.09, which has others and checks no version.
+  set(meshlab_host meshlab_2025)
+  if(MESHLAB_VERSION STREQUAL "2020.09")
+    set(meshlab_host meshlab_2020)
+    target_compile_definitions(meshlab_headers INTERFACE HOST_IS_MESHLAB_2020)
+  endif()
   target_link_libraries(meshlab_headers INTERFACE vcglib Qt5::Core Qt5::Widgets Qt5::OpenGL Qt5::Xml)
 
   # An empty library that carries the name of MeshLab's own. PyMeshLab loads plugins with RTLD_LOCAL, so a plugin finds the
@@ -52,7 +58,8 @@ set(MESHLAB_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
 
 # A plugin build/<preset>/plugins/lib<NAME>.so. Its functions that only the host defines stay undefined until it is loaded.
 function(add_meshlab_plugin NAME)
-  add_library(${NAME} MODULE ${ARGN})
+  file(GLOB host_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/host/*.cpp ${CMAKE_SOURCE_DIR}/host/${meshlab_host}/*.cpp)
+  add_library(${NAME} MODULE ${ARGN} ${host_sources})
   target_link_libraries(${NAME} PRIVATE vcg_ext meshlab_headers compiler_settings)
   add_dependencies(${NAME} meshlab_common_stub)
   add_dependencies(plugins ${NAME})

@@ -1,6 +1,6 @@
 #include "filter_sphere_propagation/filter_sphere_propagation.h"
 
 FilterSpherePropagation::FilterSpherePropagation()
-    : sphere_propagation::host::Plugin("FilterSpherePropagation", sphere_propagation::makeFilters()) {}
+    : Plugin("FilterSpherePropagation", sphere_propagation::makeFilters()) {}
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterSpherePropagation)

@@ -1,15 +1,13 @@
 #pragma once
 /// The plugin: MeshLab's face of vcg_ext. One file per filter; see filters.h.
 
-#include <QObject>
-
 #include "filter_sphere_propagation/filters.h"
 #include "host/plugin.h"
 
-class FilterSpherePropagation : public QObject, public sphere_propagation::host::Plugin {
+class FilterSpherePropagation : public sphere_propagation::host::Plugin {
   Q_OBJECT
-  MESHLAB_PLUGIN_IID_EXPORTER(FILTER_PLUGIN_IID)
-  Q_INTERFACES(FilterPlugin)
+  MESHLAB_PLUGIN_IID_EXPORTER(HOST_PLUGIN_IID)
+  Q_INTERFACES(HOST_PLUGIN_INTERFACE)
 
  public:
   FilterSpherePropagation();

@@ -1,11 +1,10 @@
 #include "host/changes.h"
 
-#include <common/ml_document/mesh_document.h>
-
 #include <QRegularExpression>
 #include <algorithm>
 #include <utility>
 
+#include "host/document.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/texture_copy.h"
 
@@ -79,10 +78,10 @@ void Changes::addLayer(const NewLayer& layer) {
     return std::any_of(layers_.begin(), layers_.end(), [id](const LayerChange& c) { return c.replacedId == id; });
   };
   int replaced = -1;
-  for (const MeshModel& mesh : std::as_const(document_).meshIterator())
-    if (replaced < 0 && !taken(mesh.id()) && withoutNumber(mesh.label()) == QString::fromStdString(layer.label) &&
-        Layer(mesh).kind() == layer.kind)
-      replaced = mesh.id();
+  for (const MeshModel* mesh : meshesOf(document_))
+    if (replaced < 0 && !taken(mesh->id()) && withoutNumber(mesh->label()) == qt(layer.label) &&
+        Layer(*mesh).kind() == layer.kind)
+      replaced = mesh->id();
   layers_.push_back({layer.label, replaced, makeMesh(layer)});
 }
 
@@ -108,11 +107,9 @@ void Changes::commit() {
   bool first = true;
   for (LayerChange& change : layers_) {
     MeshModel* mesh = change.replacedId >= 0 ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
-                                             : document_.addNewMesh("", QString::fromStdString(change.label), false);
-    mesh->cm = std::move(*change.mesh);
-    mesh->cm.Tr.SetIdentity();  // assignment keeps the matrix
-    mesh->updateBoxAndNormals();
-    mesh->updateDataMask();
+                                             : document_.addNewMesh("", qt(change.label), false);
+    replaceMesh(*mesh, std::move(*change.mesh));
+    mesh->cm.Tr.SetIdentity();
     mesh->setMeshModified();
     if (first && (firstBecomesCurrent_ || document_.mm() == nullptr)) document_.setCurrentMesh(mesh->id());
     first = false;

@@ -1,18 +1,15 @@
 #include "host/layers.h"
 
-#include <common/ml_document/mesh_document.h>
-
 #include <QRegularExpression>
 #include <cmath>
 
+#include "host/document.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/sphere_coordinates.h"
 #include "vcg_ext/mesh/icosphere.h"
 
 namespace sphere_propagation::host {
 namespace {
-
-using Allocator = vcg::tri::Allocator<CMeshO>;
 
 /// Faces of a mesh without deleted elements; empty when there are deleted ones, which no layer of ours has.
 Triangles compactFaces(const CMeshO& mesh) {
@@ -62,13 +59,11 @@ LayerKind Layer::kind() const {
 MeshSurface Layer::surface() const { return surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label()); }
 
 std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
-  if (!hasAttribute()) return std::nullopt;
-  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute);
+  const auto stored = pointAttribute(mesh_->cm, spherePositionAttribute);
+  if (!stored) return std::nullopt;
   Points positions(surface.surface.vertexCount(), 3);
-  for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
-    const Point3m& p = handle[static_cast<size_t>(surface.meshVertex[v])];
-    positions.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
-  }
+  for (size_t v = 0; v < surface.meshVertex.size(); ++v)
+    positions.row(static_cast<Eigen::Index>(v)) = stored->row(surface.meshVertex[v]);
   return positions;
 }
 
@@ -95,10 +90,7 @@ std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
   return std::nullopt;
 }
 
-bool Layer::hasAttribute() const {
-  return Allocator::IsValidHandle(mesh_->cm,
-                                  Allocator::FindPerVertexAttribute<Point3m>(mesh_->cm, spherePositionAttribute));
-}
+bool Layer::hasAttribute() const { return pointAttribute(mesh_->cm, spherePositionAttribute).has_value(); }
 
 bool Layer::storesPositions() const { return hasAttribute() || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD); }
 
@@ -137,8 +129,8 @@ std::optional<Layer> Layers::find(int id) const {
 
 std::vector<Layer> Layers::visible(LayerKind kind) const {
   std::vector<Layer> found;
-  for (const MeshModel& mesh : document_.meshIterator()) {
-    const Layer layer(mesh);
+  for (const MeshModel* mesh : meshesOf(document_)) {
+    const Layer layer(*mesh);
     if (layer.visible() && layer.kind() == kind) found.push_back(layer);
   }
   return found;

@@ -1,0 +1,54 @@
+#pragma once
+/// MeshLab's documents and parameters under one name, where its versions differ: what layers.cpp, changes.cpp and
+/// filter_set.cpp need of them. The folders meshlab_2025/ and meshlab_2020/ define it; CMake compiles the host's.
+
+#ifdef HOST_IS_MESHLAB_2020
+#include <common/filter_parameter/rich_parameter_list.h>
+#include <common/meshmodel.h>
+#else
+#include <common/ml_document/mesh_document.h>
+#include <common/parameters/rich_parameter_list.h>
+#endif
+#include <common/mlexception.h>
+
+#include <cstring>  // callback.h of 2020.09 lacks it
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <wrap/callback.h>
+
+#include "host/parameter.h"
+#include "vcg_ext/base/matrices.h"
+
+namespace sphere_propagation::host {
+
+/// The meshes of a document, in layer order.
+std::vector<const MeshModel*> meshesOf(const MeshDocument& document);
+
+/// A per-vertex point attribute: one row per element of mesh.vert; nothing when the mesh has none of this name.
+std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name);
+
+/// Makes a layer hold what `mesh` holds (vertices, faces, colours, point attributes) and nothing else, and updates
+/// normals, box and data mask. The layer's matrix, label and visibility stay.
+void replaceMesh(MeshModel& layer, CMeshO&& mesh);
+
+/// Adds a choice among the document's layers.
+void addLayerParameter(RichParameterList& list, const Parameter& parameter, const MeshDocument& document);
+
+/// The id of the layer that was chosen, -1 when there was none to choose.
+int chosenLayerId(const RichParameterList& list, const std::string& name);
+
+inline QString qt(const std::string& s) { return QString::fromStdString(s); }
+
+/// Adds a parameter of any other kind. value: what the constructor of the RichParameter takes after the name.
+template <class Rich, class... Value>
+void addRichParameter(RichParameterList& list, const Parameter& p, Value... value) {
+#ifdef HOST_IS_MESHLAB_2020  // it has no advanced parameters
+  list.addParam(Rich(qt(p.name), value..., qt(p.label), qt(p.help)));
+#else
+  list.addParam(Rich(qt(p.name), value..., qt(p.label), qt(p.help), p.advanced));
+#endif
+}
+
+}  // namespace sphere_propagation::host

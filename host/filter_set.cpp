@@ -1,0 +1,128 @@
+#include "host/filter_set.h"
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "host/input_guard.h"
+
+namespace sphere_propagation::host {
+namespace {
+
+void add(RichParameterList& list, const Parameter& parameter, const MeshDocument& document) {
+  struct Visitor {
+    RichParameterList& list;
+    const Parameter& p;
+    const MeshDocument& document;
+    void operator()(bool v) const { addRichParameter<RichBool>(list, p, v); }
+    void operator()(int v) const { addRichParameter<RichInt>(list, p, v); }
+    void operator()(double v) const { addRichParameter<RichFloat>(list, p, static_cast<Scalarm>(v)); }
+    void operator()(const std::string& v) const { addRichParameter<RichString>(list, p, qt(v)); }
+    void operator()(const Parameter::Choice& v) const {
+      QStringList names;
+      for (const std::string& n : v.names) names << qt(n);
+      addRichParameter<RichEnum>(list, p, v.chosen, names);
+    }
+    void operator()(const Parameter::LayerId&) const { addLayerParameter(list, p, document); }
+  };
+  std::visit(Visitor{list, parameter, document}, parameter.value);
+}
+
+class RichValues : public ParameterValues {
+ public:
+  RichValues(const RichParameterList& list, std::vector<Parameter> parameters)
+      : list_(list), parameters_(std::move(parameters)) {}
+  bool flag(const std::string& name) const override { return list_.getBool(qt(name)); }
+  int integer(const std::string& name) const override { return list_.getInt(qt(name)); }
+  double real(const std::string& name) const override { return static_cast<double>(list_.getFloat(qt(name))); }
+  std::string text(const std::string& name) const override { return list_.getString(qt(name)).toStdString(); }
+  int choice(const std::string& name) const override {
+    const int chosen = list_.getEnum(qt(name));
+    for (const Parameter& p : parameters_)
+      if (p.name == name) requireChoice(p, chosen);
+    return chosen;
+  }
+  int layerId(const std::string& name) const override { return chosenLayerId(list_, name); }
+
+ private:
+  // A filter script may hold any number.
+  static void requireChoice(const Parameter& p, int chosen) {
+    const auto last = static_cast<int>(std::get<Parameter::Choice>(p.value).names.size()) - 1;
+    if (chosen < 0 || chosen > last)
+      throw ParameterError(p.name + " is " + std::to_string(chosen) + ", but must be 0 to " + std::to_string(last) +
+                           ".");
+  }
+
+  const RichParameterList& list_;
+  std::vector<Parameter> parameters_;
+};
+
+/// Calls MeshLab's callback when the percentage changes, and never backwards.
+Progress percentReporter(vcg::CallBackPos* callback, const std::string& name) {
+  if (callback == nullptr) return {};
+  const auto last = std::make_shared<int>(-1);  // shared by the copies that steps make of it
+  return [callback, name, last](double fraction) {
+    const int percent = std::clamp(static_cast<int>(100 * fraction), 0, 100);
+    if (percent > *last) callback(*last = percent, name.c_str());
+  };
+}
+
+}  // namespace
+
+FilterSet::FilterSet(std::vector<std::unique_ptr<Filter>> filters) : filters_(std::move(filters)) {
+  for (const auto& filter : filters_) descriptions_.push_back(filter->describe());
+}
+
+FilterSet::~FilterSet() = default;
+
+RichParameterList FilterSet::parameters(int index, const MeshDocument& document) const {
+  RichParameterList list;
+  for (const Parameter& p : filters_.at(static_cast<size_t>(index))->parameters(Layers(document)))
+    add(list, p, document);
+  return list;
+}
+
+int FilterSet::changes() {
+  return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTCOLOR |
+         MeshModel::MM_FACENORMAL | MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER;
+}
+
+FilterSet::Result FilterSet::run(int index, const RichParameterList& values, MeshDocument& document,
+                                 vcg::CallBackPos* callback, const std::function<void(const std::string&)>& log) {
+  if (running_) return {"A filter of this plugin is still running: wait until it has finished.", {}};
+  struct Running {
+    bool& flag;
+    explicit Running(bool& f) : flag(f) { flag = true; }
+    ~Running() { flag = false; }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+  } running(running_);
+  const InputGuard handsOff;
+
+  std::string name;
+  try {
+    name = description(index).name;
+    const Filter& filter = *filters_.at(static_cast<size_t>(index));
+    Changes changes(document);
+    const Layers layers(document);
+    const RichValues richValues(values, filter.parameters(layers));
+    Task task{layers, richValues, changes, log, percentReporter(callback, name)};
+    Outputs outputs = filter.run(task);
+    changes.commit();
+    report(task.progress, 1);
+    return {std::nullopt, std::move(outputs)};
+  } catch (const Error& error) {
+    return {error.what(), {}};
+  } catch (const MLException& error) {  // a parameter is missing
+    return {error.what(), {}};
+  } catch (const std::bad_alloc&) {
+    return {name + ": there is not enough memory for this.", {}};
+  } catch (const std::exception& error) {
+    return {name + ": internal error: " + error.what(), {}};
+  } catch (...) {
+    return {name + ": internal error of an unknown kind.", {}};
+  }
+}
+
+}  // namespace sphere_propagation::host

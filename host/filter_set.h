@@ -1,0 +1,46 @@
+#pragma once
+/// The filters of a plugin, and how one is run whatever the host: no exception leaves it, the document is written only
+/// when nothing can fail any more, and the user cannot start a second one or close a layer meanwhile.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/document.h"
+#include "host/filter.h"
+
+namespace sphere_propagation::host {
+
+class FilterSet {
+ public:
+  explicit FilterSet(std::vector<std::unique_ptr<Filter>> filters);
+  ~FilterSet();
+  FilterSet(const FilterSet&) = delete;
+  FilterSet& operator=(const FilterSet&) = delete;
+
+  int size() const { return static_cast<int>(filters_.size()); }
+  /// index: 0 to size() - 1, also below.
+  const FilterDescription& description(int index) const { return descriptions_.at(static_cast<size_t>(index)); }
+  RichParameterList parameters(int index, const MeshDocument& document) const;
+
+  struct Result {
+    std::optional<std::string> failure;  ///< why it did not work, for the user; the document is as it was
+    Outputs outputs;
+  };
+  /// callback: MeshLab's, may be null; called from this thread only.
+  Result run(int index, const RichParameterList& values, MeshDocument& document, vcg::CallBackPos* callback,
+             const std::function<void(const std::string&)>& log);
+
+  /// What a filter may change, as a mask of MeshLab's. It names the numbers of vertices and faces: those are what keeps
+  /// the GUI from offering a preview, which would make layers at every turn of a knob.
+  static int changes();
+
+ private:
+  std::vector<std::unique_ptr<Filter>> filters_;
+  std::vector<FilterDescription> descriptions_;
+  bool running_ = false;  // the GUI's callback runs its event loop: whoever gets in there must not start a filter
+};
+
+}  // namespace sphere_propagation::host

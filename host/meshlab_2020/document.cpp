@@ -1,0 +1,64 @@
+#include "host/document.h"
+
+#include <algorithm>
+
+namespace sphere_propagation::host {
+namespace {
+
+using Allocator = vcg::tri::Allocator<CMeshO>;
+
+std::vector<std::string> pointAttributes(CMeshO& mesh) {
+  std::vector<std::string> names;
+  Allocator::GetAllPerVertexAttribute<Point3m>(mesh, names);
+  return names;
+}
+
+}  // namespace
+
+std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
+  return {document.meshList.begin(), document.meshList.end()};
+}
+
+std::optional<Points> pointAttribute(const CMeshO& constMesh, const std::string& name) {
+  auto& mesh = const_cast<CMeshO&>(constMesh);  // this VCG reads attributes of meshes that may change only
+  auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
+  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
+  Points points(static_cast<Eigen::Index>(mesh.vert.size()), 3);
+  for (size_t v = 0; v < mesh.vert.size(); ++v) {
+    const Point3m& p = handle[v];
+    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+  }
+  return points;
+}
+
+void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
+  // Meshes of this VCG can be copied only, and only into what is there.
+  constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTFLAG |
+                         MeshModel::MM_FACEVERT | MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
+  layer.clearDataMask(layer.dataMask() & ~always);
+  layer.cm.Clear();
+  for (const std::string& name : pointAttributes(layer.cm)) Allocator::DeletePerVertexAttribute(layer.cm, name);
+  for (const std::string& name : pointAttributes(mesh)) Allocator::AddPerVertexAttribute<Point3m>(layer.cm, name);
+  vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
+  layer.cm.svn = layer.cm.sfn = 0;
+  layer.UpdateBoxAndNormals();
+  layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
+}
+
+void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
+  if (document.meshList.empty()) return;  // MeshLab's widget wants a layer to show
+  // This MeshLab means places in the list, not ids, and takes no constant document, which it does not change.
+  const int id = std::get<Parameter::LayerId>(p.value).id;
+  const auto begin = document.meshList.begin(), end = document.meshList.end();
+  const auto found = std::find_if(begin, end, [id](const MeshModel* mesh) { return mesh->id() == id; });
+  const auto place = static_cast<int>(found == end ? 0 : found - begin);
+  list.addParam(RichMesh(qt(p.name), place, const_cast<MeshDocument*>(&document), qt(p.label), qt(p.help)));
+}
+
+int chosenLayerId(const RichParameterList& list, const std::string& name) {
+  if (!list.hasParameter(qt(name))) return -1;
+  const MeshModel* mesh = list.getMesh(qt(name));
+  return mesh != nullptr ? mesh->id() : -1;
+}
+
+}  // namespace sphere_propagation::host

@@ -1,0 +1,53 @@
+#include "host/meshlab_2020/plugin.h"
+
+#include <QAction>
+#include <utility>
+
+namespace sphere_propagation::host {
+
+Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters)
+    : name_(name), filters_(std::move(filters)) {
+  for (int id = 0; id < filters_.size(); ++id) {
+    typeList.push_back(id);
+    actionList.push_back(new QAction(filterName(id), this));  // the host finds the plugin as an action's parent
+  }
+}
+
+MeshFilterInterface::FilterClass Plugin::getClass(QAction* action) {
+  const int menus = filters_.description(ID(action)).menus;
+  const auto has = [menus](Menu m) { return (menus & static_cast<int>(m)) != 0; };
+  int result = 0;
+  if (has(Menu::Remeshing)) result |= Remeshing;
+  if (has(Menu::Layer)) result |= Layer;
+  if (has(Menu::Measure)) result |= Measure;
+  if (has(Menu::MeshCreation)) result |= MeshCreation;
+  return static_cast<FilterClass>(result);
+}
+
+MeshFilterInterface::FILTER_ARITY Plugin::filterArity(QAction* action) const {
+  switch (filters_.description(ID(action)).arity) {
+    case Arity::None:
+      return NONE;
+    case Arity::CurrentLayer:
+      return SINGLE_MESH;
+    case Arity::VisibleLayers:
+      return VARIABLE;
+  }
+  return UNKNOWN_ARITY;
+}
+
+void Plugin::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& list) {
+  list = filters_.parameters(ID(action), document);
+}
+
+bool Plugin::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& values,
+                         vcg::CallBackPos* callback) {
+  const FilterSet::Result result =
+      filters_.run(ID(action), values, document, callback, [this](const std::string& line) { Log(line); });
+  if (!result.failure) return true;
+  errorMessage = qt(*result.failure);
+  Log(*result.failure);  // meshlabserver prints the log, not the message
+  return false;
+}
+
+}  // namespace sphere_propagation::host

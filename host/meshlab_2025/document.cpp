@@ -1,0 +1,42 @@
+#include "host/document.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sphere_propagation::host {
+
+std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
+  std::vector<const MeshModel*> meshes;
+  for (const MeshModel& mesh : document.meshIterator()) meshes.push_back(&mesh);
+  return meshes;
+}
+
+std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
+  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
+  Points points(static_cast<Eigen::Index>(mesh.vert.size()), 3);
+  for (size_t v = 0; v < mesh.vert.size(); ++v) {
+    const Point3m& p = handle[v];
+    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+  }
+  return points;
+}
+
+void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
+  layer.cm = std::move(mesh);
+  layer.updateBoxAndNormals();
+  layer.updateDataMask();
+}
+
+void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
+  const int id = std::get<Parameter::LayerId>(p.value).id;
+  list.addParam(
+      RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document, qt(p.label), qt(p.help), p.advanced));
+}
+
+int chosenLayerId(const RichParameterList& list, const std::string& name) {
+  return static_cast<int>(list.getMeshId(qt(name)));
+}
+
+}  // namespace sphere_propagation::host

@@ -1,0 +1,67 @@
+#include "host/meshlab_2025/plugin.h"
+
+#include <QAction>
+#include <utility>
+
+namespace sphere_propagation::host {
+namespace {
+
+std::map<std::string, QVariant> toVariants(const Outputs& outputs) {
+  std::map<std::string, QVariant> variants;
+  for (const auto& [key, value] : outputs)
+    variants[key] = std::visit([](const auto& v) { return QVariant::fromValue(v); }, value);
+  return variants;
+}
+
+}  // namespace
+
+Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters)
+    : name_(name), filters_(std::move(filters)) {
+  for (int id = 0; id < filters_.size(); ++id) {
+    typeList.push_back(id);
+    actionList.push_back(new QAction(filterName(id), this));  // the GUI finds the plugin as an action's parent
+  }
+}
+
+FilterPlugin::FilterClass Plugin::getClass(const QAction* action) const {
+  const int menus = filters_.description(ID(action)).menus;
+  const auto has = [menus](Menu m) { return (menus & static_cast<int>(m)) != 0; };
+  int result = 0;
+  if (has(Menu::Remeshing)) result |= FilterPlugin::Remeshing;
+  if (has(Menu::Layer)) result |= FilterPlugin::Layer;
+  if (has(Menu::Measure)) result |= FilterPlugin::Measure;
+  if (has(Menu::MeshCreation)) result |= FilterPlugin::MeshCreation;
+  return static_cast<FilterClass>(result);
+}
+
+FilterPlugin::FilterArity Plugin::filterArity(const QAction* action) const {
+  switch (filters_.description(ID(action)).arity) {
+    case Arity::None:
+      return FilterPlugin::NONE;
+    case Arity::CurrentLayer:
+      return FilterPlugin::SINGLE_MESH;
+    case Arity::VisibleLayers:
+      return FilterPlugin::VARIABLE;
+  }
+  return FilterPlugin::UNKNOWN_ARITY;
+}
+
+RichParameterList Plugin::initParameterList(const QAction* action, const MeshDocument& document) {
+  return filters_.parameters(ID(action), document);
+}
+
+std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action, const RichParameterList& values,
+                                                    MeshDocument& document, unsigned int& postConditionMask,
+                                                    vcg::CallBackPos* callback) {
+  const FilterSet::Result result =
+      filters_.run(ID(action), values, document, callback, [this](const std::string& line) { log(line); });
+  if (result.failure) {
+    // PyMeshLab leaves the log of a MeshSet with the plugin when a filter throws, also after that MeshSet is gone.
+    setLog(nullptr);
+    throw MLException(qt(*result.failure));
+  }
+  postConditionMask = MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTCOLOR;
+  return toVariants(result.outputs);
+}
+
+}  // namespace sphere_propagation::host
