@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -93,6 +94,33 @@ TEST(MapMeasures, TinyFacesHaveNoRatio) {
   EXPECT_NEAR(measures.areaRatioSd, 1.3525385366125287, 1e-12);
   EXPECT_NEAR(measures.areaLogMean, 0.5520441324404619, 1e-12);
   EXPECT_NEAR(measures.angleErrorMean, 16.829295491182528, 1e-10);
+}
+
+TEST(MapMeasures, RatiosOfVerticesByHand) {
+  // The half lunes of above: a vertex of the equator has two faces on each side of it, a pole has all of its half.
+  const Mesh mesh = bipyramid(4);
+  Points positions = mesh.vertices;
+  const double longitudes[4] = {0, pi / 3, pi, pi + pi / 3};
+  for (int i = 0; i < 4; ++i) positions.row(2 + i) << std::cos(longitudes[i]), std::sin(longitudes[i]), 0;
+  EXPECT_TRUE(vertexAreaRatios(ClosedSurface(mesh.vertices, mesh.faces), positions).isApproxToConstant(1, 1e-14));
+
+  // Whatever the map: areas add up to those of the sphere, each face counted at its three corners.
+  const Mesh other = irregular();
+  const ClosedSurface surface(other.vertices, other.faces);
+  const Eigen::VectorXd ratios = vertexAreaRatios(surface, irregularMap());
+  const Eigen::VectorXd areas = vertexAreas(other.vertices, other.faces);
+  EXPECT_NEAR(ratios.dot(areas) / areas.sum(), 1, 1e-14);
+  EXPECT_GT(ratios.maxCoeff() - ratios.minCoeff(), 0.1);
+  // The first vertex: its four faces.
+  const Eigen::VectorXd faces = areaRatios(surface, irregularMap());
+  const Eigen::VectorXd sizes = faceAreas(other.vertices, other.faces);
+  double onSphere = 0, onSurface = 0;
+  for (int f = 0; f < surface.faceCount(); ++f)
+    if ((other.faces.row(f).array() == 0).any()) {
+      onSphere += faces[f] * sizes[f];
+      onSurface += sizes[f];
+    }
+  EXPECT_NEAR(ratios[0], onSphere / onSurface, 1e-14);
 }
 
 TEST(MapMeasures, AnInvalidMapIsMeasuredToo) {

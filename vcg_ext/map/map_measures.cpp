@@ -25,6 +25,25 @@ Eigen::VectorXd areaRatios(const ClosedSurface& surface, const Points& positions
   return ratios;
 }
 
+Eigen::VectorXd vertexAreaRatios(const ClosedSurface& surface, const Points& positions) {
+  const Eigen::VectorXd areas = faceAreas(surface.vertices(), surface.faces());
+  const double total = areas.sum();
+  Eigen::VectorXd onSphere = Eigen::VectorXd::Zero(surface.vertexCount()), onSurface = onSphere;
+  for (int f = 0; f < surface.faceCount(); ++f) {
+    const auto at = [&](int k) { return Vector3(positions.row(surface.faces()(f, k)).transpose()); };
+    const double angle = solidAngle(at(0), at(1), at(2));
+    for (int k = 0; k < 3; ++k) {
+      onSphere[surface.faces()(f, k)] += angle;
+      onSurface[surface.faces()(f, k)] += areas[f];
+    }
+  }
+  Eigen::VectorXd ratios = Eigen::VectorXd::Ones(surface.vertexCount());
+  for (int v = 0; v < surface.vertexCount(); ++v)
+    if (onSurface[v] > leastArea * total / static_cast<double>(areas.size()))
+      ratios[v] = onSphere[v] / (4 * pi) / (onSurface[v] / total);
+  return ratios;
+}
+
 MapMeasures measureMap(const ClosedSurface& surface, const Points& positions) {
   MapMeasures measures;
   measures.certificate = certify(surface.faces(), positions);

@@ -21,4 +21,7 @@ MapMeasures measureMap(const ClosedSurface& surface, const Points& positions);
 /// The area ratio of each face, #F; 1 for faces too small for one.
 Eigen::VectorXd areaRatios(const ClosedSurface& surface, const Points& positions);
 
+/// The area ratio of the faces around each vertex taken together, #V; 1 where they are too small for one.
+Eigen::VectorXd vertexAreaRatios(const ClosedSurface& surface, const Points& positions);
+
 }  // namespace sphere_propagation

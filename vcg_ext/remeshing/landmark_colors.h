@@ -3,12 +3,9 @@
 /// Figure 2 of M. Kirschner and S. Wesarg, Propagation of shape parameterisation for the construction of a statistical
 /// shape model of the left ventricle.
 
-#include <Eigen/Core>
+#include "vcg_ext/base/colors.h"
 
 namespace sphere_propagation {
-
-/// #N by 3 list of red, green, blue.
-using Colors = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// The index of a landmark as its hue: landmark j of `count` has the HSV colour (j / count of the full turn, 1, 1). As
 /// the icosphere numbers its vertices in rows from pole to pole, the hue runs once through the rainbow from the north
