@@ -10,6 +10,7 @@ std::vector<std::unique_ptr<host::Filter>> makeFilters() {
   filters.push_back(makeRemeshingFilter());
   filters.push_back(makeEvaluationFilter());
   filters.push_back(makeSphereLayersFilter());
+  filters.push_back(makeColorFilter());
   return filters;
 }
 

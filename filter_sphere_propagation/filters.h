@@ -14,6 +14,7 @@ std::unique_ptr<host::Filter> makePropagationFilter();   ///< Propagate paramete
 std::unique_ptr<host::Filter> makeRemeshingFilter();     ///< Remesh by icosphere
 std::unique_ptr<host::Filter> makeEvaluationFilter();    ///< Evaluate spherical parameterisation
 std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisation as sphere layers
+std::unique_ptr<host::Filter> makeColorFilter();         ///< Colour by spherical parameterisation
 
 /// All of them.
 std::vector<std::unique_ptr<host::Filter>> makeFilters();

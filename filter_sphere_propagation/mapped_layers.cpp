@@ -18,9 +18,9 @@ std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const ho
   }
 }
 
-std::vector<MappedLayer> mappedLayers(const host::Task& task) {
+std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task) {
   std::vector<MappedLayer> found;
-  for (const host::Layer& layer : task.layers.visibleSurfaces()) {
+  for (const host::Layer& layer : task.layers.visible(host::LayerKind::Surface)) {
     std::optional<MeshSurface> mesh = surfaceWithPositions(task, layer);
     if (!mesh) continue;
     std::optional<SphereMap> map = layer.map(*mesh);
@@ -29,6 +29,12 @@ std::vector<MappedLayer> mappedLayers(const host::Task& task) {
     else
       task.log(layer.label() + ": carries no valid map, left out");
   }
+  return found;
+}
+
+std::vector<MappedLayer> mappedLayers(const host::Task& task) {
+  task.layers.visibleSurfaces();  // says so where there is none
+  std::vector<MappedLayer> found = mappedLayersIfAny(task);
   if (found.empty())
     throw MapError(
         0, -1,

@@ -19,6 +19,9 @@ struct MappedLayer {
   SphereMap map;
 };
 
+/// All visible surfaces with a valid map, in layer order; those that carry something else are named in the log.
+std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task);
+
 /// All visible surfaces with a valid map, in layer order; the others are named in the log.
 /// Throws MapError, which says what to do, when there is none.
 std::vector<MappedLayer> mappedLayers(const host::Task& task);

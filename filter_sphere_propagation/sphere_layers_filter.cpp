@@ -1,11 +1,42 @@
 // "Show parameterisation as sphere layers": the maps, to be looked at.
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
 namespace {
+
+/// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab looks along -z, y
+/// upwards), in layer order, each of its surface's area.
+std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers) {
+  Eigen::AlignedBox3d all;
+  std::vector<double> radii;
+  for (const MappedLayer& mapped : layers) {
+    const ClosedSurface& surface = mapped.mesh.surface;
+    all.extend(Vector3(surface.vertices().colwise().minCoeff().transpose()));
+    all.extend(Vector3(surface.vertices().colwise().maxCoeff().transpose()));
+    radii.push_back(std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi)));
+  }
+  const double radius = *std::max_element(radii.begin(), radii.end()), step = 2.25 * radius;
+  const auto columns = static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(layers.size()))));
+  const size_t rows = (layers.size() + columns - 1) / columns;
+  std::vector<Eigen::Matrix4d> places;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    matrix.diagonal().head<3>().setConstant(radii[i]);
+    matrix.topRightCorner<3, 1>() << all.max().x() + (column + 0.5) * step + 0.25 * radius,
+        all.center().y() + (0.5 * static_cast<double>(rows - 1) - row) * step, all.center().z();
+    places.push_back(matrix);
+  }
+  return places;
+}
 
 class SphereLayersFilter : public host::Filter {
  public:
@@ -14,15 +45,25 @@ class SphereLayersFilter : public host::Filter {
         "Show parameterisation as sphere layers", "generate_sphere_layers",
         "Makes a new layer \"... sphere\" of every visible surface layer that has a map: the surface's own triangles "
         "on the unit sphere, with its colours. Run again, the filter replaces the layers that it made.<br><br>"
+        "Unit spheres lie at the origin and are tiny beside a surface in mm. \"Beside the surfaces\" shows them large "
+        "and to the right, by the layer's matrix alone; else hide the surfaces and press Ctrl+H. \"Colour by "
+        "spherical parameterisation\" draws the same pattern on both.<br><br>"
         "Returned: <b>layers</b>: how many were made.<br><br>" +
             paperReference(),
         static_cast<int>(host::Menu::Layer), host::Arity::VisibleLayers};
   }
 
-  std::vector<host::Parameter> parameters(const host::Layers&) const override { return {}; }
+  std::vector<host::Parameter> parameters(const host::Layers&) const override {
+    return {{"beside_surfaces", "Beside the surfaces",
+             "Show the spheres to the right of the surfaces, each as large as its surface (by area), through the "
+             "layer's matrix: the vertices stay on the unit sphere. Otherwise the matrix is the identity.",
+             false}};
+  }
 
   host::Outputs run(host::Task& task) const override {
     const std::vector<MappedLayer> layers = mappedLayers(task);
+    const bool beside = task.values.flag("beside_surfaces");
+    const std::vector<Eigen::Matrix4d> places = placesBeside(layers);
     for (size_t i = 0; i < layers.size(); ++i) {
       const auto& [layer, mesh, map] = layers[i];
       host::NewLayer sphere;
@@ -31,11 +72,14 @@ class SphereLayersFilter : public host::Filter {
       sphere.vertices = map.positions();
       sphere.faces = mesh.surface.faces();
       sphere.colors = layer.colors(mesh);
+      if (beside) sphere.matrix = places[i];
       task.changes.addLayer(sphere);
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
     const int made = static_cast<int>(layers.size());
-    task.log(counted(made, "sphere layer", "sphere layers"));
+    task.log(counted(made, "sphere layer", "sphere layers") +
+             (beside ? ", beside the surfaces"
+                     : ", radius 1 at the origin: hide the surfaces to see them, or ask for them beside the surfaces"));
     return {{"layers", made}};
   }
 };

@@ -46,10 +46,23 @@ struct Changes::MapChange {
   std::optional<TextureCopy> texture;
 };
 
+struct Changes::ColorChange {
+  int layerId;
+  std::vector<int> meshVertex;
+  Colors colors;
+};
+
+struct Changes::QualityChange {
+  int layerId;
+  std::vector<int> meshVertex;
+  Eigen::VectorXd ofVertices, ofFaces;
+};
+
 struct Changes::LayerChange {
   std::string label;
   int replacedId;  // -1: a new layer
   std::unique_ptr<CMeshO> mesh;
+  Eigen::Matrix4d matrix;
 };
 
 Changes::Changes(MeshDocument& document) : document_(document) {}
@@ -73,6 +86,15 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, cons
   return note;
 }
 
+void Changes::setColors(const Layer& layer, const MeshSurface& surface, Colors colors) {
+  colors_.push_back({layer.id(), surface.meshVertex, std::move(colors)});
+}
+
+void Changes::setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices,
+                         Eigen::VectorXd ofFaces) {
+  qualities_.push_back({layer.id(), surface.meshVertex, std::move(ofVertices), std::move(ofFaces)});
+}
+
 void Changes::addLayer(const NewLayer& layer) {
   const auto taken = [this](int id) {
     return std::any_of(layers_.begin(), layers_.end(), [id](const LayerChange& c) { return c.replacedId == id; });
@@ -82,10 +104,11 @@ void Changes::addLayer(const NewLayer& layer) {
     if (replaced < 0 && !taken(mesh->id()) && withoutNumber(mesh->label()) == qt(layer.label) &&
         Layer(*mesh).kind() == layer.kind)
       replaced = mesh->id();
-  layers_.push_back({layer.label, replaced, makeMesh(layer)});
+  layers_.push_back({layer.label, replaced, makeMesh(layer), layer.matrix});
 }
 
-void Changes::commit() {
+int Changes::commit() {
+  int changed = MeshModel::MM_NONE;
   for (MapChange& change : maps_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     auto handle = Allocator::GetPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
@@ -103,17 +126,46 @@ void Changes::commit() {
       mesh.clearDataMask(MeshModel::MM_VERTTEXCOORD);  // they would be those of an earlier map
     }
     mesh.setMeshModified();
+    changed |= MeshModel::MM_VERTTEXCOORD;
+  }
+  for (const ColorChange& change : colors_) {
+    MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
+    mesh.updateDataMask(MeshModel::MM_VERTCOLOR);
+    for (size_t v = 0; v < change.meshVertex.size(); ++v) {
+      const auto row = change.colors.row(static_cast<Eigen::Index>(v));
+      mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].C() = vcg::Color4b(row[0], row[1], row[2], 255);
+    }
+    mesh.setMeshModified();
+    changed |= MeshModel::MM_VERTCOLOR;
+  }
+  for (const QualityChange& change : qualities_) {
+    MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
+    mesh.updateDataMask(MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY);
+    for (size_t v = 0; v < change.meshVertex.size(); ++v)
+      mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].Q() =
+          static_cast<Scalarm>(change.ofVertices[static_cast<Eigen::Index>(v)]);
+    Eigen::Index row = 0;  // a surface's faces are the mesh's that are not deleted, in their order
+    for (CFaceO& face : mesh.cm.face)
+      if (!face.IsD()) face.Q() = static_cast<Scalarm>(change.ofFaces[row++]);
+    mesh.setMeshModified();
+    changed |= MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY;
   }
   bool first = true;
   for (LayerChange& change : layers_) {
     MeshModel* mesh = change.replacedId >= 0 ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
                                              : document_.addNewMesh("", qt(change.label), false);
     replaceMesh(*mesh, std::move(*change.mesh));
-    mesh->cm.Tr.SetIdentity();
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        mesh->cm.Tr.ElementAt(row, column) = static_cast<Scalarm>(change.matrix(row, column));
     mesh->setMeshModified();
     if (first && (firstBecomesCurrent_ || document_.mm() == nullptr)) document_.setCurrentMesh(mesh->id());
     first = false;
+    // The GUI takes these for new geometry also where the number of vertices stayed the same.
+    changed |= MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL |
+               MeshModel::MM_FACEVERT;
   }
+  return changed;
 }
 
 }  // namespace sphere_propagation::host

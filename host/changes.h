@@ -15,7 +15,7 @@ class CMeshO;
 
 namespace sphere_propagation::host {
 
-/// A layer to be made. Its matrix is the identity.
+/// A layer to be made.
 struct NewLayer {
   std::string label;
   LayerKind kind = LayerKind::Surface;
@@ -23,6 +23,7 @@ struct NewLayer {
   Triangles faces;
   std::optional<Colors> colors;                   ///< per vertex
   std::map<std::string, Points> pointAttributes;  ///< per vertex
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
 };
 
 class Changes {
@@ -37,6 +38,13 @@ class Changes {
   /// attribute alone is kept.
   std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map);
 
+  /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read as.
+  void setColors(const Layer& layer, const MeshSurface& surface, Colors colors);
+
+  /// Stores numbers as MeshLab's quality, which its colour ramps, histograms and selections work on.
+  /// ofVertices, ofFaces: one per vertex and one per face of `surface`.
+  void setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices, Eigen::VectorXd ofFaces);
+
   /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
   /// run made, replaces what that one holds.
   void addLayer(const NewLayer& layer);
@@ -44,14 +52,19 @@ class Changes {
   /// Makes the first of the new layers the current one (else the current layer stays).
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
 
-  /// Writes everything. Called once, by the plugin, after the filter has returned.
-  void commit();
+  /// Writes everything. Called once, by the plugin, after the filter has returned. Returns what was changed on layers,
+  /// as a mask of the host's.
+  int commit();
 
  private:
   struct MapChange;
+  struct ColorChange;
+  struct QualityChange;
   struct LayerChange;
   MeshDocument& document_;
   std::vector<MapChange> maps_;
+  std::vector<ColorChange> colors_;
+  std::vector<QualityChange> qualities_;
   std::vector<LayerChange> layers_;
   bool firstBecomesCurrent_ = false;
 };

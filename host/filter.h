@@ -17,7 +17,7 @@
 namespace sphere_propagation::host {
 
 /// Where MeshLab's menu shows a filter; several at once.
-enum class Menu { Remeshing = 1, Layer = 2, Measure = 4, MeshCreation = 8 };
+enum class Menu { Remeshing = 1, Layer = 2, Measure = 4, MeshCreation = 8, VertexColoring = 16, Quality = 32 };
 inline int operator|(Menu a, Menu b) { return static_cast<int>(a) | static_cast<int>(b); }
 
 /// How many layers a filter works on.

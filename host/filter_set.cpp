@@ -85,7 +85,8 @@ RichParameterList FilterSet::parameters(int index, const MeshDocument& document)
 
 int FilterSet::changes() {
   return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTCOLOR |
-         MeshModel::MM_FACENORMAL | MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER;
+         MeshModel::MM_FACENORMAL | MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY | MeshModel::MM_VERTNUMBER |
+         MeshModel::MM_FACENUMBER;
 }
 
 FilterSet::Result FilterSet::run(int index, const RichParameterList& values, MeshDocument& document,
@@ -109,9 +110,9 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const RichValues richValues(values, filter.parameters(layers));
     Task task{layers, richValues, changes, log, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
-    changes.commit();
+    const int changed = changes.commit();
     report(task.progress, 1);
-    return {std::nullopt, std::move(outputs)};
+    return {std::nullopt, std::move(outputs), changed};
   } catch (const Error& error) {
     return {error.what(), {}};
   } catch (const MLException& error) {  // a parameter is missing

@@ -28,6 +28,7 @@ class FilterSet {
   struct Result {
     std::optional<std::string> failure;  ///< why it did not work, for the user; the document is as it was
     Outputs outputs;
+    int changed = 0;  ///< what was written to layers, as a mask of MeshLab's
   };
   /// callback: MeshLab's, may be null; called from this thread only.
   Result run(int index, const RichParameterList& values, MeshDocument& document, vcg::CallBackPos* callback,

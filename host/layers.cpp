@@ -20,10 +20,10 @@ Triangles compactFaces(const CMeshO& mesh) {
   return faces;
 }
 
-bool isIcosphere(const CMeshO& mesh) {
+std::optional<int> frequencyOf(const CMeshO& mesh) {
   // Counts first: 10 f^2 + 2 vertices, 20 f^2 faces.
-  if (mesh.vn < 12 || mesh.fn != 2 * mesh.vn - 4 || (mesh.vn - 2) % 10 != 0) return false;
-  return icosphereFrequency(mesh.vn, compactFaces(mesh)).has_value();
+  if (mesh.vn < 12 || mesh.fn != 2 * mesh.vn - 4 || (mesh.vn - 2) % 10 != 0) return std::nullopt;
+  return icosphereFrequency(mesh.vn, compactFaces(mesh));
 }
 
 bool isUnitSphere(const CMeshO& mesh) {
@@ -52,7 +52,7 @@ bool Layer::visible() const { return mesh_->isVisible(); }
 LayerKind Layer::kind() const {
   if (isModelName(label())) return LayerKind::Model;
   if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
-  if (isIcosphere(mesh_->cm)) return LayerKind::Landmarks;
+  if (frequencyOf(mesh_->cm)) return LayerKind::Landmarks;
   return LayerKind::Surface;
 }
 
@@ -101,6 +101,35 @@ bool Layer::hasMap() const {
   } catch (const Error&) {
     return false;
   }
+}
+
+Points Layer::storedVertices(const MeshSurface& surface) const {
+  Points points(surface.surface.vertexCount(), 3);
+  for (size_t v = 0; v < surface.meshVertex.size(); ++v) {
+    const Point3m& p = mesh_->cm.vert[static_cast<size_t>(surface.meshVertex[v])].cP();
+    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+  }
+  return points;
+}
+
+std::optional<int> Layer::icosphereFrequency() const { return frequencyOf(mesh_->cm); }
+
+double Layer::enclosedVolume() const {
+  // From the centre of the box: coordinates of a scanner may be far from the origin, and a hole then costs little.
+  const CMeshO& mesh = mesh_->cm;
+  vcg::Box3<Scalarm> box;
+  for (const CVertexO& v : mesh.vert)
+    if (!v.IsD()) box.Add(v.cP());
+  if (box.IsNull()) return 0;
+  const auto at = [&](const CFaceO& f, int k) {
+    const Point3m p = f.cV(k)->cP() - box.Center();
+    return Vector3(p[0], p[1], p[2]);
+  };
+  double volume = 0;
+  for (const CFaceO& f : mesh.face)
+    if (!f.IsD()) volume += at(f, 0).dot(at(f, 1).cross(at(f, 2))) / 6;
+  volume = std::fabs(volume * matrixFromVcg(mesh.Tr).topLeftCorner<3, 3>().determinant());
+  return std::isfinite(volume) ? volume : 0;
 }
 
 std::optional<Colors> Layer::colors(const MeshSurface& surface) const {

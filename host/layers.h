@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "vcg_ext/base/colors.h"
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/vcg_conversion.h"
-#include "vcg_ext/remeshing/landmark_colors.h"
 
 class MeshDocument;
 class MeshModel;
@@ -51,6 +51,14 @@ class Layer {
   bool storesPositions() const;
   /// Whether it carries a map; quick, and false where the layer is no closed surface.
   bool hasMap() const;
+  /// The vertices as they are stored, without the layer's matrix (#V by 3, in the surface's numbering): those of a
+  /// sphere layer lie on the unit sphere wherever it is shown.
+  Points storedVertices(const MeshSurface& surface) const;
+  /// The frequency of the icosphere whose face list the layer has: landmark layers, and what the shape model made.
+  std::optional<int> icosphereFrequency() const;
+  /// What the faces enclose with the centre of the box, whatever is wrong with them: the volume where the layer is
+  /// closed. Quick, and finite; 0 where no volume can be told.
+  double enclosedVolume() const;
   /// Red, green, blue of each vertex of the surface, if the layer has colours of its own.
   std::optional<Colors> colors(const MeshSurface& surface) const;
 

@@ -23,10 +23,16 @@ struct Parameter {
   std::string help;   ///< the tooltip: one or two sentences, with unit and range
   std::variant<bool, int, double, std::string, Choice, LayerId> value;  ///< the default
   bool advanced = false;
+  std::string note = {};  ///< a remark on this project, which the dialog shows with the label
 
   /// The same parameter, shown among the advanced ones.
   Parameter asAdvanced() && {
     advanced = true;
+    return std::move(*this);
+  }
+  /// The same parameter with a remark, if it is not empty.
+  Parameter withNote(std::string remark) && {
+    note = std::move(remark);
     return std::move(*this);
   }
 };

@@ -21,6 +21,8 @@ MeshFilterInterface::FilterClass Plugin::getClass(QAction* action) {
   if (has(Menu::Layer)) result |= Layer;
   if (has(Menu::Measure)) result |= Measure;
   if (has(Menu::MeshCreation)) result |= MeshCreation;
+  if (has(Menu::VertexColoring)) result |= VertexColoring;
+  if (has(Menu::Quality)) result |= Quality;
   return static_cast<FilterClass>(result);
 }
 

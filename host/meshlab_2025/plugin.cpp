@@ -31,6 +31,8 @@ FilterPlugin::FilterClass Plugin::getClass(const QAction* action) const {
   if (has(Menu::Layer)) result |= FilterPlugin::Layer;
   if (has(Menu::Measure)) result |= FilterPlugin::Measure;
   if (has(Menu::MeshCreation)) result |= FilterPlugin::MeshCreation;
+  if (has(Menu::VertexColoring)) result |= FilterPlugin::VertexColoring;
+  if (has(Menu::Quality)) result |= FilterPlugin::Quality;
   return static_cast<FilterClass>(result);
 }
 
@@ -60,7 +62,7 @@ std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action, const
     setLog(nullptr);
     throw MLException(qt(*result.failure));
   }
-  postConditionMask = MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTCOLOR;
+  postConditionMask = static_cast<unsigned int>(result.changed);
   return toVariants(result.outputs);
 }
 
