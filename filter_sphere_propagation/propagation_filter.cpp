@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -104,10 +105,14 @@ class PropagationFilter : public host::Filter {
 
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
     const PublishedParameters published;
+    const LargestLayer largest(layers.visible(host::LayerKind::Surface));
+    const int rootId = defaultRootId(layers);
     return {
-        {"root_layer", "Root layer",
-         "The layer whose map is handed on. It must have one: \"Spherical parameterise root\".",
-         host::Parameter::LayerId{defaultRootId(layers)}},
+        host::Parameter{
+            "root_layer", "Root layer",
+            "The layer whose map is handed on. It must have one: \"Spherical parameterise root\". " + largest.help(),
+            host::Parameter::LayerId{rootId}}
+            .withNote(largest.note(rootId)),
         {"method", "Method", "How a map gets from one layer to the next; see above.",
          host::Parameter::Choice{{"Robust", "As published"}, 0}},
         {"order", "Order",
@@ -148,6 +153,9 @@ class PropagationFilter : public host::Filter {
     std::vector<ClosedSurface> surfaces;
     surfaces.reserve(sequence.meshes.size());
     for (const MeshSurface& mesh : sequence.meshes) surfaces.push_back(mesh.surface);
+    if (const std::string note = LargestLayer(sequence.layers).note(rootLayer.id()); !note.empty())
+      task.log("Note: the root is layer \"" + rootLayer.label() + "\"; " + note +
+               ". For a heart cycle, end-diastole is the better root.");
     const PropagationTree tree = makeTree(task, sequence, surfaces);
 
     PropagationParameters parameters;

@@ -1,6 +1,7 @@
 // "Spherical parameterise root": the current layer gets an area-preserving map to the unit sphere.
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/map/root_map.h"
 
@@ -32,17 +33,20 @@ class RootFilter : public host::Filter {
             host::Menu::Remeshing | host::Menu::Layer, host::Arity::CurrentLayer};
   }
 
-  std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {{"initial_map", "Initial map",
-             "Where the minimisation of area distortion starts. Automatic: the harmonic map (cotangent Laplace), and "
-             "Brechbuehler's where that cannot be made valid. Brechbuehler: colatitude and longitude by diffusion "
-             "between two "
-             "poles, the ends of the shape's first principal axis, as in the paper. The result is much the same.",
-             host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0}},
-            {"area_weight", "Area weight",
-             "0 to 1. 1 asks for equal areas alone, as far as validity allows; 0 for angles alone. The default all but "
-             "preserves areas and spends the freedom that is left on angles.",
-             RootMapParameters{}.areaWeight}};
+  std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
+    return {
+        host::Parameter{
+            "initial_map", "Initial map",
+            "Where the minimisation of area distortion starts. Automatic: the harmonic map (cotangent Laplace), and "
+            "Brechbuehler's where that cannot be made valid. Brechbuehler: colatitude and longitude by diffusion "
+            "between two "
+            "poles, the ends of the shape's first principal axis, as in the paper. The result is much the same.",
+            host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0}}
+            .withNote(sizeNote(layers)),
+        {"area_weight", "Area weight",
+         "0 to 1. 1 asks for equal areas alone, as far as validity allows; 0 for angles alone. The default all but "
+         "preserves areas and spends the freedom that is left on angles.",
+         RootMapParameters{}.areaWeight}};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -58,6 +62,7 @@ class RootFilter : public host::Filter {
     if (!result.note.empty()) task.log(result.note);
     if (!storageNote.empty()) task.log(storageNote);
     const double seconds = stopwatch.seconds();
+    if (const std::string note = sizeNote(task.layers); !note.empty()) task.log("Note: " + note + ".");
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s (" +
              nameOf(result.used) + " start, " + counted(result.steps, "step", "steps") + ")");
     return {{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
@@ -65,6 +70,13 @@ class RootFilter : public host::Filter {
             {"area_log_mean", measures.areaLogMean},
             {"angle_error_mean", measures.angleErrorMean},
             {"seconds", seconds}};
+  }
+
+ private:
+  static std::string sizeNote(const host::Layers& layers) {
+    const int current = layers.currentId();
+    const std::string note = LargestLayer(layers.visible(host::LayerKind::Surface)).note(current);
+    return note.empty() ? note : "the current layer is " + std::to_string(current) + "; for a heart cycle, " + note;
   }
 };
 

@@ -10,18 +10,19 @@ def landmark_colors(count: int) -> np.ndarray:
     return np.clip(2 - np.abs((sixths + 3) % 6 - 3), 0, 1)
 
 
-def map_colors(longitude, latitude, bands: int = 10, sectors: int = 14) -> np.ndarray:
-    """A checkerboard on the sphere: longitude in turns, latitude in quarter turns (-1 south pole, 1 north pole).
+def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.ndarray:
+    """The checkerboard of vcg_ext/map/sphere_pattern.h, for pictures that show it sharp: longitude in turns, latitude in quarter
+    turns (-1 south pole, 1 north pole); `cells` fields from pole to pole, every other one darker by `shade`.
 
-    The hue turns once with the longitude, light and dark fields alternate, and the hue fades towards the poles: light in the
-    north, dark in the south.
+    The hue turns once with the longitude and fades towards the poles: light in the north, dark in the south.
     """
     longitude, latitude = np.broadcast_arrays(np.asarray(longitude, float), np.asarray(latitude, float))
     hue = 0.66 + 0.32 * np.cos(2 * np.pi * (longitude[..., None] - np.array([0.02, 0.36, 0.66])))
     pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
     fading = np.abs(latitude)[..., None] ** 3
-    dark = (np.floor(longitude % 1 * sectors) + np.floor((latitude + 1) / 2 * bands * (1 - 1e-12))) % 2
-    return ((1 - fading) * hue + fading * pole) * (1 - 0.30 * dark[..., None])
+    around = 2 * ((3 * cells + 3) // 4)
+    dark = (np.floor(longitude % 1 * around) + np.floor((1 - latitude) / 2 * cells * (1 - 1e-12))) % 2
+    return ((1 - fading) * hue + fading * pole) * (1 - shade * dark[..., None])
 
 
 def sphere_coordinates(positions: np.ndarray):

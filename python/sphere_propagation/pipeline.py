@@ -90,6 +90,13 @@ def remesh(surfaces: Sequence[Surface], maps: Sequence[SphereMap], frequency: in
     return np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures
 
 
+def map_colors(surfaces: Sequence[Surface], maps: Sequence[SphereMap], cells: int = 8) -> List[np.ndarray]:
+    """The checkerboard of each map on the vertices of its surface: (n, 3) in [0, 1]."""
+    meshes = _mesh_set(surfaces, dict(enumerate(maps)))
+    _apply(meshes, "compute_color_from_spherical_parameterisation_per_vertex", pattern="Checkerboard", cells=cells)
+    return [mesh.vertex_color_matrix()[:, :3] for mesh in meshes]
+
+
 def run(surfaces: Sequence[Surface], root: int = 0, methods: Sequence[str] = ("Robust",), order: str = "Time", frequency: int = 10,
         report: Callable[[str], None] = lambda text: None) -> Dict[str, Correspondence]:
     """The whole job, once per method with the same root map. `report` gets one line after each step."""

@@ -6,8 +6,8 @@ from typing import List
 
 import numpy as np
 
-from . import files, pictures
-from .colors import landmark_colors, map_colors, sphere_coordinates
+from . import files, pictures, pipeline
+from .colors import landmark_colors
 
 
 def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
@@ -20,8 +20,8 @@ def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
         for old in kinds[kind].glob("*.ply"):  # layers of an earlier run
             old.unlink()
     # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
-    bands = int(np.clip(round(2 + len(result.surfaces[result.root].vertices) ** 0.5 / 10), 4, 10))
-    shades = {"bands": bands, "sectors": 2 * round(0.75 * bands)}
+    cells = 2 * int(np.clip(round(1 + len(result.surfaces[result.root].vertices) ** 0.5 / 20), 2, 4))
+    shades = pipeline.map_colors(result.surfaces, result.maps, cells)
     hues = landmark_colors(result.landmarks.shape[1])
     layers = {kind: [] for kind in kinds}
 
@@ -30,8 +30,7 @@ def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
         files.write_ply(path, *mesh)
         layers[kind].append(files.ProjectLayer(label, path, kind == "surfaces"))
 
-    for surface, sphere, points in zip(result.surfaces, result.maps, result.landmarks):
-        colors = map_colors(*sphere_coordinates(sphere.positions), **shades)
+    for surface, sphere, points, colors in zip(result.surfaces, result.maps, result.landmarks, shades):
         add("surfaces", surface.name, surface.vertices, surface.faces, colors, sphere.texture)
         add("landmarks", f"{surface.name} landmarks", points, result.landmark_faces, hues)
         add("spheres", f"{surface.name} sphere", sphere.positions, surface.faces, colors)

@@ -14,7 +14,18 @@ PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 REMESH = "generate_icosphere_remeshing"
 EVALUATE = "get_spherical_parameterisation_measures"
 SPHERES = "generate_sphere_layers"
-FILTERS = [PHANTOM, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES]
+COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
+FILTERS = [PHANTOM, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR]
+
+MENU_OF = {
+    PHANTOM: "Beating ventricle phantom",
+    ROOT: "Spherical parameterise root",
+    PROPAGATE: "Propagate parameterisation to layers",
+    REMESH: "Remesh by icosphere",
+    EVALUATE: "Evaluate spherical parameterisation",
+    SPHERES: "Show parameterisation as sphere layers",
+    COLOR: "Colour by spherical parameterisation",
+}
 
 ATTRIBUTE = "sphere_position"
 FIGURES = ["flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean", "seconds"]

@@ -3,19 +3,10 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from documents import (EVALUATE, FIGURES, FILTERS, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, labels, mapped_cycle,
+from documents import (COLOR, EVALUATE, FIGURES, FILTERS, MENU_OF, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, labels, mapped_cycle,
                        positions, small_cycle, written_script)
 from environment import PROJECT
 from surfaces import egg
-
-MENU_NAMES = {
-    PHANTOM: "Beating ventricle phantom",
-    ROOT: "Spherical parameterise root",
-    PROPAGATE: "Propagate parameterisation to layers",
-    REMESH: "Remesh by icosphere",
-    EVALUATE: "Evaluate spherical parameterisation",
-    SPHERES: "Show parameterisation as sphere layers",
-}
 
 # Parameters in their order, with their defaults; a list is a choice whose first entry is the default.
 PARAMETERS = {
@@ -33,7 +24,14 @@ PARAMETERS = {
     },
     REMESH: {"frequency": 10, "color_landmarks": True},
     EVALUATE: {},
-    SPHERES: {},
+    SPHERES: {"beside_surfaces": False},
+    COLOR: {
+        "pattern": ["Checkerboard", "Latitude and longitude", "Direction", "Area ratio"],
+        "cells": 8,
+        "area_ratio_limit": 2.0,
+        "store_area_ratio": False,
+        "landmark_layers": True,
+    },
 }
 
 RETURNED = {
@@ -43,6 +41,7 @@ RETURNED = {
     REMESH: {"surface_distance_mean", "surface_distance_max", "seconds"},
     EVALUATE: {"valid", "degree", *FIGURES},
     SPHERES: {"layers"},
+    COLOR: {"layers"},
 }
 
 
@@ -73,10 +72,10 @@ def test_parameters_and_their_defaults(name):
 def test_menu_names_and_choices(tour, tmp_path):
     """A filter script knows the menu's names and the texts of choices."""
     script = dict(written_script(tour[0], tmp_path / "script.mlx"))
-    assert list(script) == [MENU_NAMES[name] for name in FILTERS]
+    assert list(script) == [MENU_OF[name] for name in FILTERS]
     for name in FILTERS:
         for parameter, default in PARAMETERS[name].items():
-            written = script[MENU_NAMES[name]][parameter]
+            written = script[MENU_OF[name]][parameter]
             assert written["description"] and len(written["tooltip"]) > 20, parameter
             if isinstance(default, list):
                 assert written["type"] == "RichEnum"
