@@ -45,9 +45,9 @@ inline QString qt(const std::string& s) { return QString::fromStdString(s); }
 template <class Rich, class... Value>
 void addRichParameter(RichParameterList& list, const Parameter& p, Value... value) {
 #ifdef HOST_IS_MESHLAB_2020  // it has no advanced parameters
-  list.addParam(Rich(qt(p.name), value..., qt(p.label), qt(p.help)));
+  list.addParam(Rich(qt(p.name), value..., qt(p.dialogLabel()), qt(p.help)));
 #else
-  list.addParam(Rich(qt(p.name), value..., qt(p.label), qt(p.help), p.advanced));
+  list.addParam(Rich(qt(p.name), value..., qt(p.dialogLabel()), qt(p.help), p.advanced));
 #endif
 }
 

@@ -25,6 +25,8 @@ struct Parameter {
   bool advanced = false;
   std::string note = {};  ///< a remark on this project, which the dialog shows with the label
 
+  std::string dialogLabel() const { return note.empty() ? label : label + "\n(" + note + ")"; }
+
   /// The same parameter, shown among the advanced ones.
   Parameter asAdvanced() && {
     advanced = true;

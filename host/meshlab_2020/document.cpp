@@ -52,7 +52,7 @@ void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDo
   const auto begin = document.meshList.begin(), end = document.meshList.end();
   const auto found = std::find_if(begin, end, [id](const MeshModel* mesh) { return mesh->id() == id; });
   const auto place = static_cast<int>(found == end ? 0 : found - begin);
-  list.addParam(RichMesh(qt(p.name), place, const_cast<MeshDocument*>(&document), qt(p.label), qt(p.help)));
+  list.addParam(RichMesh(qt(p.name), place, const_cast<MeshDocument*>(&document), qt(p.dialogLabel()), qt(p.help)));
 }
 
 int chosenLayerId(const RichParameterList& list, const std::string& name) {

@@ -31,8 +31,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
 
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   const int id = std::get<Parameter::LayerId>(p.value).id;
-  list.addParam(
-      RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document, qt(p.label), qt(p.help), p.advanced));
+  list.addParam(RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document, qt(p.dialogLabel()),
+                         qt(p.help), p.advanced));
 }
 
 int chosenLayerId(const RichParameterList& list, const std::string& name) {
