@@ -1,9 +1,27 @@
 """Spherical maps of closed anatomical surfaces, propagated over layers and resampled by an icosphere.
 
-The main job on arrays is in `pipeline`; it runs the MeshLab plugin's filters through PyMeshLab:
+Importing this package makes PyMeshLab know the plugin's filters, and offers them as functions on arrays:
 
-    from sphere_propagation import pipeline
-    surfaces = pipeline.make_phantom("Cavity")
-    result = pipeline.run(surfaces, order="Cyclic time")["Robust"]
-    result.landmarks[t][j]      # landmark j at phase t: the same place on every shape
+    import sphere_propagation as sp
+
+    surfaces = sp.read_meshes("phases")                  # closed meshes in order of time, without correspondence
+    result = sp.correspond(surfaces, order="Cyclic time")
+    result.landmarks[t, j]                               # landmark j at phase t: the same place for all t
 """
+from . import plugin as _plugin
+from .correspondence import Correspondence, correspond
+from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError
+from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
+from .filters import Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate, remesh
+from .phantom import Ventricle
+from .projects import write_layers
+from .sphere_map import SphereMap
+from .surface import Surface
+from .version import version as _version
+
+__all__ = ["Correspondence", "FileError", "FilterError", "InputError", "Landmarks", "PluginError", "Propagation",
+           "SpherePropagationError", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate", "make_phantom", "map_colors",
+           "mesh_files", "parameterise_root", "propagate", "read_map", "read_mesh", "read_meshes", "remesh", "write_layers", "write_ply"]
+__version__ = _version()
+
+_plugin.register()

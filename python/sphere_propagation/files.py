@@ -1,47 +1,104 @@
-"""Meshes in folders, PLY files with maps and colours, and MeshLab projects."""
+"""Mesh files and the maps in them."""
 from __future__ import annotations
 
+import os
 import re
-import xml.etree.ElementTree as xml
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Sequence
+from typing import Dict, List, Optional
 
 import numpy as np
 
-from . import plugin
-from .pipeline import PipelineError, Surface
+from . import filters, layers
+from .errors import FileError
+from .sphere_map import SphereMap
+from .surface import Surface
 
 SUFFIXES = (".ply", ".stl", ".obj", ".off")
 
 
-def mesh_files(folder) -> List[Path]:
-    """The meshes of a folder in natural order: phase_2 before phase_10."""
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise PipelineError(f"There is no folder {folder}.")
-    natural = lambda path: [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", path.name.lower())]
-    paths = sorted((path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()), key=natural)
-    if not paths:
-        raise PipelineError(f"The folder {folder} holds no mesh ({', '.join(SUFFIXES)}).")
-    for a, b in zip(paths, paths[1:]):
-        if a.stem == b.stem:
-            raise PipelineError(f"{a.name} and {b.name} have the same name: layers could not be told apart.")
-    return paths
+def mesh_files(*paths) -> List[Path]:
+    """The mesh files that files and folders stand for, in order of time.
+
+    A folder stands for its meshes in natural order: phase_2 before phase_10. Files whose names differ in their numbers alone come in
+    the order of these numbers, whatever a shell's * makes of them; otherwise the order is kept.
+    """
+    found: List[Path] = []
+    given = [Path(path) for path in paths]
+    if len({re.sub(r"\d+", "#", str(path)) for path in given}) == 1:
+        given.sort(key=lambda path: _natural(str(path)))
+    for path in given:
+        if path.is_dir():
+            inside = sorted((file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file()),
+                            key=lambda file: _natural(file.name))
+            if not inside:
+                raise FileError(f"The folder {path} holds no mesh ({', '.join(SUFFIXES)}).")
+            found += inside
+        elif path.is_file():
+            found.append(path)
+        else:
+            raise FileError(f"There is no file or folder {path}.")
+    stems: Dict[str, Path] = {}
+    for path in found:
+        if path.stem in stems:
+            raise FileError(f"{stems[path.stem]} and {path} have the same name: layers could not be told apart.")
+        stems[path.stem] = path
+    return found
+
+
+def _natural(name: str):
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in re.split(r"(\d+)", name.lower())]
 
 
 def read_mesh(path) -> Surface:
-    """A mesh from a file, as PyMeshLab reads it (duplicated vertices of STL files are merged)."""
-    path = Path(path)
-    meshes = plugin.load().MeshSet()
-    try:
-        meshes.load_new_mesh(str(path))
-    except Exception as error:  # pymeshlab.PyMeshLabException
-        reason = " ".join(line.strip() for line in str(error).splitlines()[1:] if line.strip())
-        raise PipelineError(f"{path} cannot be read. {reason}".strip()) from error
+    """A mesh from a file (PLY, STL, OBJ, OFF and whatever else PyMeshLab reads; duplicated vertices of STL files are merged)."""
+    meshes, path = _load(path)
+    return layers.surface_of(meshes.current_mesh(), path.stem)
+
+
+def read_meshes(*paths) -> List[Surface]:
+    """The meshes of files and folders, in order of time; see mesh_files."""
+    return [read_mesh(path) for path in mesh_files(*paths)]
+
+
+def read_map(path) -> SphereMap:
+    """The map to the sphere that a file carries as texture coordinates, certified; a FileError when it carries none."""
+    meshes, path = _load(path)
     mesh = meshes.current_mesh()
-    if mesh.face_number() == 0:
-        raise PipelineError(f"{path} holds no triangles.")
-    return Surface(path.stem, mesh.vertex_matrix(), mesh.face_matrix())
+    if not mesh.has_vertex_tex_coord():
+        raise FileError(f"{path} carries no map: it has no texture coordinates per vertex.")
+    texture = mesh.vertex_tex_coord_matrix()
+    longitude, colatitude = 2 * np.pi * texture[:, 0], np.pi * texture[:, 1]
+    positions = np.stack([np.sin(colatitude) * np.cos(longitude), np.sin(colatitude) * np.sin(longitude), np.cos(colatitude)], 1)
+    figures = filters.evaluate([layers.surface_of(mesh)], [positions])
+    if not figures["valid"][0]:
+        raise FileError(f"{path} carries no valid map: its texture coordinates are something else.")
+    return SphereMap(positions, texture, layers.row(figures, 0, filters.MAP_FIGURES))
+
+
+def _load(path):
+    path = Path(path)
+    if not path.is_file():
+        raise FileError(f"There is no file {path}.")
+    if path.suffix.lower() == ".ply" and not _has_ply_header(path):  # PyMeshLab may crash over these
+        raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
+    meshes, here = layers.mesh_set(), os.getcwd()
+    try:
+        meshes.load_new_mesh(str(path.resolve()))
+    except Exception as error:  # PyMeshLab's, or what its parsers stumble over
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
+        raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
+    finally:
+        os.chdir(here)  # PyMeshLab goes to the file's folder, and stays there when it cannot read the file
+    if meshes.current_mesh().face_number() == 0:
+        raise FileError(f"{path} holds no triangles.")
+    return meshes, path
+
+
+def _has_ply_header(path: Path) -> bool:
+    with open(path, "rb") as file:
+        head = file.read(1 << 20)
+    return head[:3] == b"ply" and b"end_header" in head
 
 
 def write_ply(path, vertices, faces, colors: Optional[np.ndarray] = None, texture: Optional[np.ndarray] = None) -> None:
@@ -62,35 +119,3 @@ def write_ply(path, vertices, faces, colors: Optional[np.ndarray] = None, textur
     header += [f"property {words[kind]} {name}" for name, kind, _ in columns]
     header += [f"element face {len(face)}", "property list uchar int vertex_indices", "end_header", ""]
     Path(path).write_bytes("\n".join(header).encode() + vertex.tobytes() + face.tobytes())
-
-
-# How MeshLab shows a layer, as it writes it into projects: solid, smooth shading, vertex colours. First which of solid, triangle
-# wires, edges and points; then for points, edges, wires and solid which of position, vertex normal, face normal, vertex colour, face
-# colour, two kinds of texture and of index; then 17 + 15 switches, of which: visible, lit from one side; fixed colours for boxes and
-# wires, wires without shading, points smaller with distance.
-SHOWN = "1000" + "110100000" + "000000000" + "000000000" + "110100010" + "10000000000100000" + "010100000001001"
-
-
-class ProjectLayer(NamedTuple):
-    label: str
-    path: Path
-    visible: bool = True
-    matrix: Optional[np.ndarray] = None  # 4 x 4; default: the identity
-
-
-def write_project(path, layers: Sequence[ProjectLayer]) -> None:
-    """A MeshLab project; the layers' files lie in the project's folder or below it."""
-    path = Path(path)
-    root = xml.Element("MeshLabProject")
-    group = xml.SubElement(root, "MeshGroup")
-    for layer in layers:
-        filename = layer.path.relative_to(path.parent).as_posix()
-        mesh = xml.SubElement(group, "MLMesh", label=layer.label, filename=filename, visible=str(int(layer.visible)))
-        matrix = np.eye(4) if layer.matrix is None else layer.matrix
-        rows = "".join(" ".join(f"{value:.9g}" for value in row) + " \n" for row in matrix)
-        xml.SubElement(mesh, "MLMatrix44").text = "\n" + rows
-        xml.SubElement(mesh, "RenderingOption", pointSize="3", wireWidth="1", boxColor="234 234 234 255", pointColor="131 149 69 255",
-                       wireColor="64 64 64 255", solidColor="192 192 192 255").text = SHOWN
-    xml.SubElement(root, "RasterGroup")
-    text = xml.tostring(root, encoding="unicode").replace("<MLMesh", "\n <MLMesh").replace("</MeshGroup>", "\n</MeshGroup>")
-    path.write_text("<!DOCTYPE MeshLabDocument>\n" + text + "\n", encoding="utf-8")

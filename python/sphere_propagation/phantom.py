@@ -63,16 +63,15 @@ class Ventricle:
 
         Gauss-Newton in (u cos theta, u sin theta), where the apex is nothing special, from the closest of some samples.
         """
-        best = None
+        sheets = []
         for m in self.sheets:
             u, theta = (grid.ravel() for grid in np.meshgrid(np.linspace(0, RIM, 60), np.linspace(0, 2 * np.pi, 121)[:-1], indexing="ij"))
             start = _nearest(points, self.position(u, theta, m, phase))
             q = np.stack([u[start] * np.cos(theta[start]), u[start] * np.sin(theta[start])], -1)
-            found = self._closest(points, q, m, phase)
-            if best is None:
-                best = found
-            else:
-                best = MaterialPoints(*(np.where(found.distance < best.distance, new, old) for new, old in zip(found, best)))
+            sheets.append(self._closest(points, q, m, phase))
+        best = sheets[0]
+        for found in sheets[1:]:
+            best = MaterialPoints(*(np.where(found.distance < best.distance, new, old) for new, old in zip(found, best)))
         return best
 
     def _closest(self, points, q, m, phase):

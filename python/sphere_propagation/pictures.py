@@ -4,31 +4,39 @@ All surfaces of one picture are seen from one side and at one scale, so that wha
 """
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from functools import lru_cache
-from typing import List, NamedTuple, Optional, Sequence
+from importlib.util import find_spec
+from typing import Sequence
 
 import numpy as np
 
 from .colors import landmark_colors, map_colors, sphere_coordinates
-from .pipeline import Correspondence, volume
+from .correspondence import Correspondence
+from .views import Row, chosen_phases, sphere_rotation, upright
 
 if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no display: say so instead of trying one
 
 WIDTH = 2400  # pixels
+NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
 INK, GREY = "#1c2530", "#5b6570"
 PUBLISHED, ROBUST = "#c2410c", "#0f766e"
 
 
-class Row(NamedTuple):
-    """One sequence in a picture of several phases."""
-
-    title: str
-    result: Correspondence
-    unit: Optional[str] = None  # of lengths; with "mm" volumes are written in ml
-    up: Optional[Sequence[float]] = None  # direction; default: along the root's long axis
+def what_is_missing() -> str:
+    """What keeps pictures from being drawn here, and how to get it; empty when nothing does."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        return f"{' and '.join(missing)} not installed (pip install 'sphere-propagation[pictures]')"
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        try:  # VTK would crash
+            ctypes.CDLL("libEGL.so.1")
+        except OSError:
+            return "there is no display, and libEGL.so.1 is missing (on Debian and Ubuntu: apt-get install libegl1)"
+    return ""
 
 
 # ---------------------------------------------------------------- the pictures
@@ -107,36 +115,6 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
 # ---------------------------------------------------------------- what they share
 
 
-def upright(vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: float = 26.0) -> np.ndarray:
-    """Rotation (3, 3) to view coordinates (right, up, towards the eye): `up` upright, the broad side in front, seen from `tilt`
-    degrees above. Without `up` the long axis is upright, its narrow end down, as hearts are drawn.
-    """
-    centered = vertices - vertices.mean(0)
-    if up is None:
-        up = np.linalg.eigh(centered.T @ centered)[1][:, 2]
-        up = up * (1 if ((centered @ up) ** 3).sum() < 0 else -1)
-    up = np.asarray(up, float) / np.linalg.norm(up)
-    flat = centered - np.outer(centered @ up, up)
-    eye = np.linalg.eigh(flat.T @ flat)[1][:, 1]  # 0 is `up` itself
-    eye = eye * (1 if eye[np.abs(eye).argmax()] < 0 else -1)
-    right = np.cross(up, eye)
-    angle = np.radians(tilt)
-    tilted = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
-    return tilted @ np.stack([right, up, eye])
-
-
-def sphere_rotation(vertices: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Rotation (3, 3) that turns the sphere so that it shows the same side as the surface does."""
-    u, _, v = np.linalg.svd((vertices - (vertices.min(0) + vertices.max(0)) / 2).T @ positions)
-    return u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v
-
-
-def chosen_phases(count: int, columns: int, rows: int = 1) -> List[int]:
-    """Phases spread evenly over a cycle."""
-    shown = min(count, columns * rows)
-    return [int(round(k * count / shown)) for k in range(shown)]
-
-
 def _phases(rows, path, columns, draw, title, landmark_count=0):
     lines = []  # of the picture: row and its phases
     for row in rows:
@@ -162,11 +140,11 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
             draw(scene, row.result, phase)
             panels[-1].append(scene.image())
             surface = row.result.surfaces[phase]
-            captions[-1].append(f"phase {phase}, {abs(volume(surface)) / 1000:.0f} ml" if row.unit == "mm" else surface.name)
+            captions[-1].append(f"phase {phase}, {abs(surface.volume) / 1000:.0f} ml" if row.unit == "mm" else surface.name)
     _set(panels, captions, path, title, names, landmark_count)
 
 
-def _set(panels, captions, path, title, names: Optional[list] = None, landmark_count: int = 0):
+def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_count: int = 0):
     """Rows of images with captions on one white page."""
     plt = _matplotlib()
     gap, line, margin, head = 26, 54, 40, 110

@@ -1,41 +1,108 @@
-"""Finding the plugin and loading it into PyMeshLab."""
+"""Finding the plugin and registering its filters with PyMeshLab."""
 from __future__ import annotations
 
+import ctypes
 import os
+from importlib import metadata
 from pathlib import Path
+from typing import List, Optional
+
+from .errors import PluginError
 
 LIBRARY = "libfilter_sphere_propagation.so"
-VARIABLE = "SPHERE_PROPAGATION_PLUGIN"
-FILTER = "compute_spherical_parameterisation_root"  # one of them
+VARIABLE = "SPHERE_PROPAGATION_PLUGIN"  # for developers: the plugin to take instead of the package's own
+FILTER = "compute_spherical_parameterisation_root"  # one of its filters
+PYMESHLAB = "2025.7"  # the series whose interface the plugin is built for
+PYMESHLAB_PLUGINS = 58  # that a whole PyMeshLab of this series brings
+
+_loaded: Optional[Path] = None
+_filters: List[str] = []
 
 
-class PluginError(RuntimeError):
-    """The plugin or PyMeshLab is missing, or they do not fit together."""
+def find() -> Path:
+    """Where the plugin is: what the environment variable names, else the package's own, else a checkout's build."""
+    named = os.environ.get(VARIABLE)
+    if named:
+        if not Path(named).is_file():
+            raise PluginError(f"There is no plugin at {named}, which {VARIABLE} names.")
+        return Path(named).resolve()
+    import sphere_propagation
+    for folder in [*map(Path, sphere_propagation.__path__), Path(__file__).resolve().parents[2] / "build/pymeshlab/plugins"]:
+        if (folder / LIBRARY).is_file():
+            return folder / LIBRARY
+    raise PluginError(f"The plugin {LIBRARY} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
+                      f"name one elsewhere.")
 
 
-def find(path=None) -> Path:
-    """Where the plugin is: `path`, else the environment variable, else beside this file."""
-    for candidate in (path, os.environ.get(VARIABLE)):
-        if candidate:
-            if not Path(candidate).is_file():
-                raise PluginError(f"There is no plugin at {candidate}.")
-            return Path(candidate)
-    inside = Path(__file__).parent / LIBRARY
-    if inside.is_file():
-        return inside
-    raise PluginError(f"The plugin {LIBRARY} was not found: set {VARIABLE} to its path (scripts/build pymeshlab makes it).")
+def register():
+    """Makes PyMeshLab know the filters, unless it knows them already (as after pymeshlab.load_plugin); returns that module.
+
+    Every MeshSet has them from then on, those made before included.
+    """
+    global _loaded, _filters
+    pymeshlab = _pymeshlab()
+    known = pymeshlab.filter_list()
+    if FILTER not in known:
+        _check_completeness(pymeshlab.plugin_number())
+        library = find()
+        try:
+            pymeshlab.load_plugin(str(library))
+        except pymeshlab.PyMeshLabException as error:  # PyMeshLab says in words what does not fit
+            raise PluginError(f"PyMeshLab {pymeshlab_version()} does not load {library}: {error}") from error
+        _loaded, _filters = library, sorted(set(pymeshlab.filter_list()) - set(known))
+    for name in pymeshlab.filter_list():  # methods of MeshSet, as PyMeshLab makes them of its own filters
+        if not hasattr(pymeshlab.MeshSet, name):
+            setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
+    return pymeshlab
 
 
-def load(path=None):
-    """Loads the plugin, unless that was done before; returns the module pymeshlab, whose MeshSet then knows the filters."""
+def loaded() -> Optional[Path]:
+    """The library that register() loaded; None when PyMeshLab knew the filters before."""
+    return _loaded
+
+
+def filters() -> List[str]:
+    """Names of the filters that register() brought; empty when PyMeshLab knew them before."""
+    return list(_filters)
+
+
+def pymeshlab_version() -> str:
+    """Of the installed one; empty where it was installed without saying."""
+    try:
+        return metadata.version("pymeshlab")
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def _pymeshlab():
+    version = pymeshlab_version()
+    if version and not (version + ".").startswith(PYMESHLAB + "."):
+        raise PluginError(f"PyMeshLab {version} is installed, but this plugin is built for {PYMESHLAB}: "
+                          f"pip install 'pymeshlab=={PYMESHLAB}.*'")
     try:
         import pymeshlab
     except ImportError as error:
-        raise PluginError(f"PyMeshLab cannot be imported: {error}") from error
-    if FILTER not in pymeshlab.filter_list():
-        library = find(path)
-        try:
-            pymeshlab.load_plugin(str(library.resolve()))
-        except Exception as error:  # PyMeshLab says in words what does not fit
-            raise PluginError(f"PyMeshLab does not load {library}: {error}") from error
+        if not version:
+            raise PluginError(f"PyMeshLab is not installed: pip install 'pymeshlab=={PYMESHLAB}.*'") from error
+        raise PluginError(f"PyMeshLab {version} cannot be imported: {error}. {_missing_libraries()}".strip()) from error
     return pymeshlab
+
+
+def _check_completeness(count: int) -> None:
+    if count < PYMESHLAB_PLUGINS:
+        raise PluginError(f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may not open. "
+                          + (_missing_libraries() or "Install it again: pip install --force-reinstall pymeshlab"))
+
+
+def _missing_libraries() -> str:
+    """Advice on the system's libraries that PyMeshLab needs and does not bring; empty when all are there."""
+    missing = []
+    for library, package in (("libGL.so.1", "libgl1"), ("libOpenGL.so.0", "libopengl0")):
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            missing.append((library, package))
+    if not missing:
+        return ""
+    return (f"Missing on this system: {', '.join(library for library, _ in missing)}. On Debian and Ubuntu: "
+            f"apt-get install {' '.join(package for _, package in missing)}")

@@ -2,46 +2,52 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import List
+from typing import Dict, List, Union
 
 import numpy as np
 
-from . import files, pictures, pipeline
 from .colors import landmark_colors
+from .correspondence import Correspondence
+from .files import write_ply
+from .filters import map_colors
+from .project_file import ProjectLayer, write_project
+from .results import ResultFolder
+from .surface import distinct_names
+from .views import Row, sphere_rotation, upright
 
 
-def write_layers(folder: Path, name: str, row: pictures.Row) -> None:
-    """FOLDER/name/: surfaces, landmarks and spheres as PLY; a project to work on and one to look at."""
-    base, result = folder / name, row.result
-    kinds = {}
-    for kind in ("surfaces", "landmarks", "spheres"):
-        kinds[kind] = base / kind
-        kinds[kind].mkdir(parents=True, exist_ok=True)
-        for old in kinds[kind].glob("*.ply"):  # layers of an earlier run
-            old.unlink()
+def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
+    """FOLDER/name/: surfaces, landmarks and spheres as PLY, in folders of their own; a project to work on and one to look at.
+
+    folder: a path, or the ResultFolder that these files are a part of. What the last call with this name wrote is replaced.
+    """
+    row = result if isinstance(result, Row) else Row(name, result)
+    result = row.result
+    results, place = (folder, f"{name}/") if isinstance(folder, ResultFolder) else (ResultFolder(Path(folder) / name), "")
     # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
     cells = 2 * int(np.clip(round(1 + len(result.surfaces[result.root].vertices) ** 0.5 / 20), 2, 4))
-    shades = pipeline.map_colors(result.surfaces, result.maps, cells)
+    shades = map_colors(result.surfaces, result.maps, cells=cells)
     hues = landmark_colors(result.landmarks.shape[1])
-    layers = {kind: [] for kind in kinds}
+    layers: Dict[str, List[ProjectLayer]] = {"surfaces": [], "landmarks": [], "spheres": []}
 
     def add(kind, label, *mesh):
-        path = kinds[kind] / (label.replace(" ", "_") + ".ply")
-        files.write_ply(path, *mesh)
-        layers[kind].append(files.ProjectLayer(label, path, kind == "surfaces"))
+        path = results.write(f"{place}{kind}/{label.replace(' ', '_').replace('/', '_')}.ply", lambda path: write_ply(path, *mesh))
+        layers[kind].append(ProjectLayer(label, path, kind == "surfaces"))
 
-    for surface, sphere, points, colors in zip(result.surfaces, result.maps, result.landmarks, shades):
-        add("surfaces", surface.name, surface.vertices, surface.faces, colors, sphere.texture)
-        add("landmarks", f"{surface.name} landmarks", points, result.landmark_faces, hues)
-        add("spheres", f"{surface.name} sphere", sphere.positions, surface.faces, colors)
-    files.write_project(base / f"{name}.mlp", layers["surfaces"] + layers["landmarks"] + layers["spheres"])
-    files.write_project(base / f"{name}_overview.mlp", overview(row, layers))
+    labels = distinct_names(result.surfaces)
+    for surface, label, sphere, points, colors in zip(result.surfaces, labels, result.maps, result.landmarks, shades):
+        add("surfaces", label, surface.vertices, surface.faces, colors, sphere.texture)
+        add("landmarks", f"{label} landmarks", points, result.landmark_faces, hues)
+        add("spheres", f"{label} sphere", sphere.positions, surface.faces, colors)
+    everything = layers["surfaces"] + layers["landmarks"] + layers["spheres"]
+    results.write(f"{place}{name}.mlp", lambda path: write_project(path, everything))
+    results.write(f"{place}{name}_overview.mlp", lambda path: write_project(path, overview(row, layers)))
 
 
-def overview(row: pictures.Row, layers) -> List[files.ProjectLayer]:
+def overview(row: Row, layers) -> List[ProjectLayer]:
     """Surfaces in a grid, landmarks in a grid beside it, the root's sphere between the two; upright, as MeshLab looks at it."""
     result = row.result
-    rotation = pictures.upright(result.surfaces[result.root].vertices, row.up)
+    rotation = upright(result.surfaces[result.root].vertices, row.up)
     seen = [surface.vertices @ rotation.T for surface in result.surfaces]
     low, high = np.min([v.min(0) for v in seen], 0), np.max([v.max(0) for v in seen], 0)
     step = 1.12 * (high - low)[:2]
@@ -60,6 +66,6 @@ def overview(row: pictures.Row, layers) -> List[files.ProjectLayer]:
         for i, layer in enumerate(layers[kind]):
             x, y = start + (i % columns + 0.5) * step[0], (0.5 * (lines - 1) - i // columns) * step[1]
             found.append(placed(layer, rotation, x - center[0], y - center[1], -center[2]))
-    turn = pictures.sphere_rotation(result.surfaces[result.root].vertices @ rotation.T, result.maps[result.root].positions)
+    turn = sphere_rotation(result.surfaces[result.root].vertices @ rotation.T, result.maps[result.root].positions)
     found.append(placed(layers["spheres"][result.root], 0.9 * radius * turn, 0, 0, 0))
     return found

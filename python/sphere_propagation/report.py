@@ -6,7 +6,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from .pipeline import Correspondence
+from .correspondence import Correspondence
 
 COLUMNS = ("data", "method", "layer", "root", "parent", "vertices", "faces", "flipped_faces", "repaired_faces", "area_ratio_sd",
            "area_log_mean", "angle_error_mean", "residual_mean", "residual_p95", "surface_distance_mean", "surface_distance_max",

@@ -1,0 +1,130 @@
+"""The command line; see `sphere-propagation --help`."""
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import List, Optional, Sequence
+
+from . import filters, jobs, pictures, plugin, progress, report, version
+from .errors import SpherePropagationError
+
+METHODS = {"robust": "Robust", "published": "As published"}
+ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit code: 0 done, 1 something is wrong with the input, 2 with the arguments, 130 interrupted."""
+    options = parser().parse_args(arguments)
+    shown: List[progress.Lines] = []
+
+    def make_progress(steps: int) -> progress.Lines:
+        shown.append(progress.for_stream(steps))
+        return shown[-1]
+
+    try:
+        return options.action(options, make_progress)
+    except BrokenPipeError:
+        raise
+    except (SpherePropagationError, OSError, MemoryError) as error:
+        code, text = 1, f"error: {_words(error)}"
+    except KeyboardInterrupt:
+        code, text = 130, "interrupted"
+    finally:
+        for lines in shown:
+            lines.close()
+    print(text, file=sys.stderr)
+    return code
+
+
+def _words(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return "not enough memory"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return str(error)
+
+
+def _run(options, make_progress) -> int:
+    return _report(options.output, jobs.run_meshes(options.meshes, options.output, options.name, _choices(options), make_progress))
+
+
+def _demo(options, make_progress) -> int:
+    if options.input:
+        runs = jobs.run_meshes([options.input], options.folder, None, _choices(options), make_progress)
+    else:
+        runs = jobs.run_phantom(options.folder, _choices(options), options.phases, options.voxel_size, options.seed, make_progress)
+    return _report(options.folder, runs)
+
+
+def _report(output: str, runs: Sequence[report.Run]) -> int:
+    folder = Path(output)
+    print(f"\n{report.summary(runs)}\n\nIn {folder.resolve()}:")
+    for data in dict.fromkeys(run.data for run in runs):
+        print(f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at")
+    print("  figures.csv: one row per layer" + ("    *.png: pictures" if (folder / "map.png").exists() else ""))
+    return 0
+
+
+def _info(options, make_progress) -> int:
+    extras = {name: "installed" if find_spec(name) else "not installed (pip install 'sphere-propagation[pictures]')"
+              for name in pictures.NEEDED}
+    facts = {"sphere-propagation": version.version(), "plugin": plugin.loaded() or "loaded before this package",
+             "pymeshlab": plugin.pymeshlab_version() or "of unknown version", "python": platform.python_version(), **extras}
+    for name, fact in facts.items():
+        print(f"{name:20}{fact}")
+    print("\n  ".join(["filters", *plugin.filters()]))
+    return 0
+
+
+def _choices(options) -> jobs.Choices:
+    order = "Given" if options.parents else ORDERS.get(options.order)
+    return jobs.Choices(options.root, METHODS[options.method], order, options.parents or "", options.frequency, options.initial_map.capitalize(),
+                        options.area_weight, options.area_restoration, options.pictures)
+
+
+def parser() -> argparse.ArgumentParser:
+    """What the command line takes."""
+    command = argparse.ArgumentParser(prog="sphere-propagation", description="Corresponding landmarks on closed surfaces by propagated "
+                                      "spherical parameterisations.")
+    command.add_argument("--version", action="version", version=f"sphere-propagation {version.version()}")
+    actions = command.add_subparsers(metavar="COMMAND", required=True)
+
+    run = actions.add_parser("run", help="meshes to maps, landmarks, MeshLab projects, pictures and figures",
+                             description="Takes closed meshes in order of time through the whole job.")
+    run.add_argument("meshes", nargs="+", metavar="MESH", help="files (ply, stl, obj, off) or folders of them, in natural order")
+    run.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where everything goes; an earlier run's files are replaced")
+    run.add_argument("--name", help="of the sequence, for its files (default: the name of the meshes' folder)")
+    _add_choices(run, "time", "the mesh of largest volume")
+    run.set_defaults(action=_run)
+
+    demo = actions.add_parser("demo", help="the same for a beating phantom whose truth is known, by both methods",
+                              description="Makes a beating ventricle, cavity and wall, and takes it through the whole job by both methods.")
+    demo.add_argument("folder", nargs="?", default="demo", metavar="FOLDER", help="where everything goes (default: %(default)s)")
+    demo.add_argument("--input", metavar="MESHES", help="a file or folder of meshes instead of the phantom, as `run MESHES -o FOLDER`")
+    _add_choices(demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume")
+    demo.add_argument("--phases", type=int, default=25, metavar="N", help="of the phantom (default: 25)")
+    demo.add_argument("--voxel-size", type=float, default=2.0, metavar="MM", help="of the phantom (default: 2)")
+    demo.add_argument("--seed", type=int, default=0, metavar="N", help="of the phantom: another one makes another ventricle (default: 0)")
+    demo.set_defaults(action=_demo)
+
+    info = actions.add_parser("info", help="versions, the plugin's path, the filters")
+    info.set_defaults(action=_info)
+    return command
+
+
+def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
+    add = action.add_argument
+    add("--root", type=int, metavar="N", help=f"number of the mesh that gets the first map, from 0 (default: {root})")
+    add("--method", choices=list(METHODS), default="robust", help="how a map gets to the next mesh (default: robust)")
+    add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
+    add("--parents", metavar="LIST", help='instead of --order: for each mesh the number of that which hands it the map, -1 for the root, '
+        'as --parents="-1,0,1"')
+    add("--frequency", type=int, default=10, metavar="F", help="10 F^2 + 2 landmarks (default: 10, which gives 1002)")
+    add("--initial-map", choices=[name.lower() for name in filters.INITIAL_MAPS], default="automatic",
+        help="where the root map starts (default: automatic)")
+    add("--area-weight", type=float, default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
+    add("--area-restoration", type=float, default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
+    add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

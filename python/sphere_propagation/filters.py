@@ -1,0 +1,157 @@
+"""The plugin's filters as functions on arrays. Each works in a project of its own, so nothing is shared between calls.
+
+Keyword parameters have the names and defaults of the filters' own parameters; what they mean in depth is in the filters' help and in
+docs/. Every map that comes back is certified valid.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Sequence, Union
+
+import numpy as np
+
+from . import layers
+from .errors import FilterError, InputError
+from .sphere_map import MapLike, SphereMap, as_map
+from .surface import Surface, SurfaceLike, as_surface, as_surfaces
+
+ROOT = "compute_spherical_parameterisation_root"
+PROPAGATE = "transfer_spherical_parameterisation_to_layers"
+REMESH = "generate_icosphere_remeshing"
+EVALUATE = "get_spherical_parameterisation_measures"
+COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
+PHANTOM = "create_ventricle_phantom"
+
+INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
+METHODS = ("Robust", "As published")
+ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
+PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
+PARTS = ("Cavity", "Wall")
+
+Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
+
+MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean", "seconds")
+
+
+@dataclass(frozen=True, eq=False)
+class Propagation:
+    """Maps of all surfaces, in their order, and the figures of the filter.
+
+    figures: parent (the surface that the map came from, -1 for the root), residual_mean and residual_p95 (distance of the surface's
+    vertices from what was brought onto it, in their unit), repaired_faces, flipped_faces, area_ratio_sd, area_log_mean,
+    angle_error_mean (degrees), seconds.
+    """
+
+    maps: List[SphereMap]
+    figures: Figures
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """The same points on every surface: points[t, j] is landmark j on surface t, the same place for all t.
+
+    points: (surfaces, 10 f^2 + 2, 3); faces: (20 f^2, 3), shared by all; figures: surface_distance_mean and surface_distance_max
+    (between landmark mesh and surface, both ways, in their unit), seconds.
+    """
+
+    points: np.ndarray
+    faces: np.ndarray
+    figures: Figures
+
+
+def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", area_weight: float = 0.9) -> SphereMap:
+    """An area-preserving map of one surface to the unit sphere.
+
+    initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for equal areas alone, as far as
+    validity allows, 0 for angles alone; the default all but preserves areas.
+
+    Raises FilterError when the surface is not closed, has handles or several parts.
+    """
+    meshes = layers.mesh_set([as_surface(surface)])
+    figures = layers.apply(meshes, ROOT, initial_map=initial_map, area_weight=area_weight)
+    return layers.map_of(meshes.mesh(0), figures)
+
+
+def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer: int = 0, method: str = "Robust", order: str = "Time",
+              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, anisotropic_scaling: bool = True,
+              icp_iterations: int = 30, smoothing_sweeps: int = 50) -> Propagation:
+    """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
+
+    surfaces: in order of time, in one coordinate frame and unit. root_map: the map of surfaces[root_layer].
+    method: Robust (a motion model moves the root onto each surface) or As published (the paper's steps).
+    order: who hands the map to whom, one of ORDERS; Cyclic time for a whole heart cycle, Similarity tree where there is no order.
+    parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
+    area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
+    anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
+    """
+    surfaces = as_surfaces(surfaces)
+    root_map = as_map(root_map)
+    if not 0 <= root_layer < len(surfaces):
+        raise InputError(f"Layer {root_layer} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}.")
+    if not isinstance(parents, str):
+        parents = ", ".join(str(int(parent)) for parent in parents)
+    meshes = layers.mesh_set(surfaces, {root_layer: root_map})
+    figures = layers.apply(meshes, PROPAGATE, root_layer=root_layer, method=method, order=order, parents=parents,
+                           area_restoration=area_restoration, anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations,
+                           smoothing_sweeps=smoothing_sweeps)
+    if len(figures["parent"]) != len(surfaces):
+        raise FilterError(PROPAGATE, "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
+                          "the unit sphere, or is called like a layer of a shape model.")
+    return Propagation([layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))], figures)
+
+
+def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10) -> Landmarks:
+    """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as propagate gives them.
+
+    frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks.
+    """
+    surfaces = as_surfaces(surfaces)
+    meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
+    figures = layers.apply(meshes, REMESH, frequency=frequency, color_landmarks=False)
+    made = [meshes.mesh(i) for i in range(len(surfaces), meshes.mesh_number())]
+    if len(made) != len(surfaces):
+        raise FilterError(REMESH, f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.")
+    return Landmarks(np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures)
+
+
+def evaluate(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike]) -> Figures:
+    """Certifies and measures maps, one per surface. A map that is not valid is reported, not refused.
+
+    Returned: valid (1 or 0), degree (how often the sphere is covered; 1 in a valid map), flipped_faces, area_ratio_sd,
+    area_log_mean, angle_error_mean (degrees), seconds.
+    """
+    surfaces = as_surfaces(surfaces)
+    figures = layers.apply(layers.mesh_set(surfaces, _maps_of(surfaces, maps)), EVALUATE)
+    if len(figures["valid"]) != len(surfaces):
+        raise FilterError(EVALUATE, f"Of {len(surfaces)} meshes only {len(figures['valid'])} were taken for surfaces.")
+    return figures
+
+
+def map_colors(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, pattern: str = "Checkerboard", cells: int = 8,
+               area_ratio_limit: float = 2.0) -> List[np.ndarray]:
+    """A pattern of the sphere on the vertices of each surface, (n, 3) in [0, 1]: the same place has the same colour on all of them.
+
+    pattern: one of PATTERNS. cells: fields from pole to pole, 2 or more. area_ratio_limit: above 1, where the colours of the pattern
+    Area ratio end: with 2 at twice (red) and half (blue) of the area's due share.
+    """
+    surfaces = as_surfaces(surfaces)
+    meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
+    layers.apply(meshes, COLOR, pattern=pattern, cells=cells, area_ratio_limit=area_ratio_limit)
+    return [mesh.vertex_color_matrix()[:, :3] for mesh in meshes]
+
+
+def make_phantom(*, part: str = "Cavity", phases: int = 25, voxel_size: float = 2.0, twist: float = 0.0, seed: int = 0) -> List[Surface]:
+    """A beating left ventricle, one surface per phase of one heart cycle, without correspondence; phase 0 is end-diastole.
+
+    part: Cavity or Wall. voxel_size: mm, 0.25 to 4; 2 gives about 4000 vertices. twist: degrees, of the apex at end-systole.
+    seed: each number makes another ventricle. `Ventricle` with the same part, phases, seed and twist knows the truth.
+    """
+    meshes = layers.mesh_set()
+    layers.apply(meshes, PHANTOM, part=part, phases=phases, voxel_size=voxel_size, twist=twist, seed=seed)
+    return [layers.surface_of(mesh) for mesh in meshes]
+
+
+def _maps_of(surfaces: Sequence[Surface], maps: Sequence[MapLike]) -> Dict[int, SphereMap]:
+    if len(surfaces) != len(maps):
+        raise InputError(f"{len(surfaces)} surfaces need as many maps, not {len(maps)}.")
+    return {i: as_map(positions) for i, positions in enumerate(maps)}

@@ -1,0 +1,60 @@
+"""Arrays to PyMeshLab's layers and back: the one place that touches a MeshSet."""
+from __future__ import annotations
+
+import re
+from typing import Any, Dict, Mapping, Optional, Sequence
+
+import numpy as np
+
+from . import plugin
+from .errors import FilterError, InputError
+from .sphere_map import SphereMap
+from .surface import Surface, distinct_names
+
+ATTRIBUTE = "sphere_position"
+
+
+def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, SphereMap]] = None):
+    """One layer per surface, numbered as in the list, with the maps that are given; the first is the current one."""
+    pymeshlab = plugin.register()
+    meshes = pymeshlab.MeshSet()
+    for i, (surface, name) in enumerate(zip(surfaces, distinct_names(surfaces))):
+        sphere = maps.get(i) if maps else None
+        texture = {} if sphere is None or sphere.texture is None else {"v_tex_coords_matrix": sphere.texture}
+        mesh = pymeshlab.Mesh(surface.vertices, surface.faces, **texture)
+        if sphere is not None:
+            if len(sphere.positions) != len(surface.vertices):
+                raise InputError(f"{surface.name} has {len(surface.vertices)} vertices, its map {len(sphere.positions)} positions.")
+            mesh.add_vertex_custom_point_attribute(sphere.positions, ATTRIBUTE)
+        meshes.add_mesh(mesh, name)
+    if meshes.mesh_number():
+        meshes.set_current_mesh(0)
+    return meshes
+
+
+def surface_of(mesh, name: Optional[str] = None) -> Surface:
+    return Surface(mesh.vertex_matrix(), mesh.face_matrix(), mesh.label() if name is None else name)
+
+
+def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:
+    texture = mesh.vertex_tex_coord_matrix() if mesh.has_vertex_tex_coord() else None
+    return SphereMap(mesh.vertex_custom_point_attribute_matrix(ATTRIBUTE), texture, figures or {})
+
+
+def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
+    """Runs a filter; what it refuses comes as a FilterError with the filter's own words."""
+    try:
+        return meshes.apply_filter(name, **parameters) or {}
+    except RuntimeError as error:  # pybind11 could not convert a value: it names neither the parameter nor the type
+        given = ", ".join(f"{key}={value!r}" for key, value in parameters.items())
+        raise FilterError(name, f"A parameter of {name} has the wrong type: {given}") from error
+    except Exception as error:  # PyMeshLab's; the first line says only that the filter failed
+        if not type(error).__module__.startswith("pymeshlab"):
+            raise
+        text = re.sub(r"^\s*Failed to apply filter:[^\n]*\n?(Details:)?\s*", "", str(error)).strip()
+        raise FilterError(name, text or str(error)) from error
+
+
+def row(figures: Mapping[str, np.ndarray], i: int, names: Sequence[str]) -> Dict[str, float]:
+    """The figures of one layer."""
+    return {name: float(figures[name][i]) for name in names if name in figures}

@@ -1,0 +1,82 @@
+"""The folder that a run leaves behind. It lists its files, so that the next run can take away what this one made and nothing else."""
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Callable, Dict, List, Optional, Set
+
+LIST = ".sphere-propagation.sha256"  # as sha256sum writes it; lies in the folder
+
+
+class ResultFolder:
+    """Writes files and lists them. The first one written takes the files of an earlier run away.
+
+    What was changed since then, and what others put there, is never lost: it stays, and moves aside (name.bak) where its name is needed.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.kept: List[Path] = []  # of an earlier run but changed since, or in the way
+        self._written: Optional[Set[Path]] = None  # None: nothing yet
+
+    def create(self) -> None:
+        """Makes the folder, so that what is wrong with it is said before there is something to write."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def write(self, name: str, writer: Callable[[Path], object]) -> Path:
+        """Calls writer(path) for a file of that name (with / between folders) and lists it; returns the path."""
+        if self._written is None:
+            self._clear()
+            self._written = set()
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists() and path not in self._written:
+            self._move_aside(path)
+        self._written.add(path)
+        try:
+            writer(path)
+        finally:
+            if path.is_file():  # half a file is ours, too
+                with open(self.folder / LIST, "a", encoding="utf-8") as file:
+                    file.write(f"{_digest(path)}  {name}\n")
+        return path
+
+    def _clear(self) -> None:
+        self.create()
+        folders: Set[Path] = set()
+        for name, digest in self._listed().items():
+            path = self.folder / name
+            if not path.is_file() or path.is_symlink():
+                continue
+            if _digest(path) != digest:
+                self.kept.append(path)
+                continue
+            path.unlink()
+            folders.update(parent for parent in path.parents if self.folder in parent.parents)
+        for folder in sorted(folders, key=lambda folder: -len(folder.parts)):
+            if not any(folder.iterdir()):
+                folder.rmdir()
+        (self.folder / LIST).write_text("", encoding="utf-8")
+
+    def _move_aside(self, path: Path) -> None:
+        aside = path.with_name(path.name + ".bak")
+        number = 1
+        while aside.exists():
+            number += 1
+            aside = path.with_name(f"{path.name}.bak{number}")
+        path.rename(aside)
+        self.kept = [kept for kept in self.kept if kept != path] + [aside]
+
+    def _listed(self) -> Dict[str, str]:
+        """Name -> digest of what an earlier run wrote, if it lies in this folder."""
+        try:
+            lines = (self.folder / LIST).read_text(encoding="utf-8").splitlines()
+        except FileNotFoundError:
+            return {}
+        pairs = (line.split("  ", 1) for line in lines if "  " in line)
+        home = self.folder.resolve()
+        return {name: digest for digest, name in pairs if home in (self.folder / name).resolve().parents}
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

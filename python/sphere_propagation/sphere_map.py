@@ -1,0 +1,42 @@
+"""Maps of surfaces to the unit sphere as arrays."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Dict, Optional, Union
+
+import numpy as np
+
+from .errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class SphereMap:
+    """A spherical parameterisation: where each vertex of a surface lies on the unit sphere.
+
+    positions: unit vectors (n, 3); texture: the same as texture coordinates (n, 2), u = longitude / 2 pi, v = colatitude / pi, which
+    files keep, None where there are none or rounding them to floats would make the map invalid; figures: what the filter that made it
+    measured: flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds.
+    """
+
+    positions: np.ndarray
+    texture: Optional[np.ndarray] = None
+    figures: Dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self):
+        positions = np.asarray(self.positions)
+        if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in "fiu":
+            raise InputError(f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of shape {positions.shape}.")
+        object.__setattr__(self, "positions", np.ascontiguousarray(positions, np.float64))
+        if self.texture is not None:
+            texture = np.ascontiguousarray(self.texture, np.float64)
+            if texture.shape != (len(positions), 2):
+                raise InputError(f"Texture coordinates of this map must have the shape ({len(positions)}, 2), not {texture.shape}.")
+            object.__setattr__(self, "texture", texture)
+
+
+MapLike = Union[SphereMap, np.ndarray]  # the array: positions
+
+
+def as_map(positions: MapLike) -> SphereMap:
+    """A SphereMap, also from its positions alone."""
+    return positions if isinstance(positions, SphereMap) else SphereMap(np.asarray(positions))

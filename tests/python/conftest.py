@@ -1,0 +1,28 @@
+"""The package of the checkout, not one that happens to be installed; a small cycle that several tests share."""
+import sys
+from pathlib import Path
+
+import pytest
+
+PYTHON = Path(__file__).resolve().parents[2] / "python"
+sys.path.insert(0, str(PYTHON))
+
+
+@pytest.fixture(scope="session")
+def cycle():
+    import sphere_propagation as sp
+    return sp.correspond(sp.make_phantom(phases=6, voxel_size=4.0), root=0, order="Cyclic time", frequency=4)
+
+
+@pytest.fixture
+def run_python():
+    """Runs Python code in a process of its own, with the package on its path: run_python(code, PLUGIN="..."), a CompletedProcess."""
+    import os
+    import subprocess
+
+    def run(code, *arguments, **environment):
+        paths = os.pathsep.join([str(PYTHON), *filter(None, [os.environ.get("PYTHONPATH")])])
+        return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "PYTHONPATH": paths, **environment})
+
+    return run

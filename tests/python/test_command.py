@@ -1,0 +1,182 @@
+"""The command line: what it leaves behind, what it says, how it ends."""
+import csv
+import io
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import sphere_propagation as sp
+from sphere_propagation import command, pictures, progress
+
+PYTHON = Path(__file__).resolve().parents[2] / "python"
+
+
+def write(folder, surfaces):
+    folder.mkdir(exist_ok=True)
+    for surface in surfaces:
+        sp.write_ply(folder / f"{surface.name}.ply", surface.vertices, surface.faces)
+    return folder
+
+
+@pytest.fixture
+def heart(cycle, tmp_path):
+    return write(tmp_path / "heart", cycle.surfaces[:3])
+
+
+def run(*arguments):
+    return command.main([str(argument) for argument in arguments])
+
+
+def rows(folder):
+    with open(folder / "figures.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_folder_of_meshes(heart, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("run", heart, "-o", out, "--frequency", 3) == 0
+    said = capsys.readouterr().out
+    assert str(out) in said and re.search(r"heart +Robust +3 +0 ", said)
+    assert [row["root"] for row in rows(out)] == ["1", "0", "0"]  # the largest volume is end-diastole
+    for name in ("landmarks.png", "checkerboard.png", "map.png", "heart/heart.mlp", "heart/heart_overview.mlp"):
+        assert (out / name).stat().st_size > 1000
+
+
+def test_options_reach_the_filters(heart, tmp_path, capsys):
+    out = tmp_path / "out"
+    files = sorted(heart.iterdir())
+    assert run("run", *files, "-o", out, "--name", "given", "--root", 2, "--parents=2,0,-1", "--method", "published", "--frequency", 2,
+               "--area-weight", 0.5, "--no-pictures") == 0
+    found = rows(out)
+    assert [row["parent"] for row in found] == ["2", "0", "-1"] and {row["method"] for row in found} == {"As published"}
+    assert {row["data"] for row in found} == {"given"} and not list(out.glob("*.png"))
+    assert len(sp.read_mesh(next((out / "given/landmarks").iterdir())).vertices) == 42
+    softer = float(found[2]["area_ratio_sd"])
+    assert run("run", *files, "-o", out, "--root", 2, "--method", "published", "--no-pictures") == 0
+    assert softer > 2 * float(rows(out)[2]["area_ratio_sd"])
+    assert not (out / "given").exists() and (out / "heart").exists()  # nothing of the first run is left
+
+
+def test_the_phantom(tmp_path, capsys):
+    assert run("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--seed", 1, "--frequency", 2, "--no-pictures") == 0
+    found = rows(tmp_path)
+    assert len(found) == 12 and {(row["data"], row["method"]) for row in found} == {
+        (data, method) for data in ("cavity", "wall") for method in ("Robust", "As published")}
+    assert all(0 <= float(row["error_mm"]) < 12 for row in found)
+
+
+def test_the_demos_input_is_the_same_as_run(heart, tmp_path, capsys):
+    assert run("demo", tmp_path / "a", "--input", heart, "--no-pictures") == 0
+    assert run("run", heart, "-o", tmp_path / "b", "--no-pictures") == 0
+    for name in ("heart/heart.mlp", "heart/landmarks/phantom_cavity_01_landmarks.ply"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_without_the_packages_for_pictures(heart, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(pictures, "NEEDED", ("matplotlib", "no_such_package"))
+    assert run("run", heart, "-o", tmp_path / "out") == 0
+    said = capsys.readouterr().out
+    assert "no pictures: no_such_package not installed" in said and "[pictures]" in said
+    assert (tmp_path / "out/figures.csv").exists() and not list((tmp_path / "out").glob("*.png"))
+
+
+def test_without_a_display(heart, tmp_path, capsys, monkeypatch):
+    """VTK crashes where it finds neither a display nor EGL."""
+    def load(name):
+        raise OSError(name)
+
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(pictures.ctypes, "CDLL", load)
+    assert run("run", heart, "-o", tmp_path / "out") == 0
+    assert "libEGL.so.1 is missing" in capsys.readouterr().out and not list((tmp_path / "out").glob("*.png"))
+
+
+def test_info(capsys):
+    assert run("info") == 0
+    said = capsys.readouterr().out
+    assert re.search(r"pymeshlab +2025\.7", said) and re.search(rf"sphere-propagation +{sp.__version__}\n", said)
+
+
+def refusal(capsys, *arguments):
+    assert run(*arguments) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("error: ") and said.count("\n") == 1 and "Traceback" not in said
+    return said
+
+
+def test_refusals_name_what_is_wrong(cycle, heart, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert "There is no file or folder" in refusal(capsys, "run", tmp_path / "nowhere", "-o", out)
+    (tmp_path / "empty").mkdir()
+    assert "holds no mesh" in refusal(capsys, "run", tmp_path / "empty", "-o", out)
+    assert "Layer 9 cannot be the root" in refusal(capsys, "run", heart, "-o", out, "--root", 9)
+    assert "choose another" in refusal(capsys, "run", heart, "-o", tmp_path)
+    (tmp_path / "file").touch()
+    assert "file: " in refusal(capsys, "run", heart, "-o", tmp_path / "file")
+    opened = sp.Surface(cycle.surfaces[2].vertices, cycle.surfaces[2].faces[1:], cycle.surfaces[2].name)
+    write(heart, [opened])
+    assert opened.name in refusal(capsys, "run", heart, "-o", out) and not (out / "figures.csv").exists()
+    (heart / "broken.ply").write_text("hello")
+    assert "broken.ply cannot be read as a mesh" in refusal(capsys, "run", heart, "-o", out)
+    (heart / "broken.stl").touch()
+    assert "same name" in refusal(capsys, "run", heart, "-o", out)
+
+
+def test_wrong_arguments_end_with_2(capsys):
+    for arguments in ([], ["run"], ["run", "x"], ["run", "x", "-o", "y", "--order", "none"], ["nothing"]):
+        with pytest.raises(SystemExit) as end:
+            command.main(arguments)
+        assert end.value.code == 2
+
+
+def test_interrupting_it(tmp_path):
+    """Ctrl-C ends it when the filter that runs is done: one line, no traceback, 130."""
+    process = subprocess.Popen([sys.executable, "-m", "_sphere_propagation_command", "demo", tmp_path / "out", "--phases", "200"],
+                               cwd=PYTHON, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.readline()  # the first step is over
+    process.send_signal(signal.SIGINT)
+    said, errors = process.communicate(timeout=300)
+    assert process.returncode == 130 and errors == "interrupted\n"
+
+
+@pytest.mark.parametrize("arguments", [["info"], ["demo", "--help"]])
+def test_a_reader_that_has_seen_enough(arguments, monkeypatch):
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
+    process = subprocess.Popen([sys.executable, "-m", "_sphere_propagation_command", *arguments], cwd=PYTHON,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.stderr.read() == b"" and process.wait(60) == 141
+    process.stderr.close()
+
+
+def test_what_goes_wrong_at_import_is_said_without_a_traceback(run_python, tmp_path):
+    found = run_python("import sys, _sphere_propagation_command as command; sys.exit(command.main())", "info",
+                       SPHERE_PROPAGATION_PLUGIN=str(tmp_path / "nothing.so"))
+    assert found.returncode == 1 and found.stderr.startswith("error: There is no plugin at") and "Traceback" not in found.stderr
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_bar_on_a_terminal_lines_elsewhere():
+    assert type(progress.for_stream(3, io.StringIO())) is progress.Lines
+    screen = Terminal()
+    bar = progress.for_stream(2, screen)
+    bar.begin("first")
+    bar.done("first is over")
+    bar.begin("second")
+    time.sleep(0.6)  # the clock ticks once
+    bar.done("second is over")
+    bar.close()
+    bar.close()
+    said = screen.getvalue()
+    assert "[....................] 1/2  first" in said and "[##########..........] 2/2  second" in said
+    assert said.count("2/2  second") >= 2
+    assert re.search(r"\r\x1b\[K\[ +0\.\d s\] first is over\n", said) and said.endswith("\r\x1b[K")

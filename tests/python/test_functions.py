@@ -1,0 +1,164 @@
+"""The filters as functions on arrays: the same parameters, the same results, refusals that name what is wrong."""
+import inspect
+
+import numpy as np
+import pymeshlab
+import pytest
+
+import sphere_propagation as sp
+from sphere_propagation import filters
+from sphere_propagation.surface import distinct_names
+
+# Function -> its filter, and the parameters of the filter that it does not have, with the reason.
+FUNCTIONS = {
+    sp.parameterise_root: (filters.ROOT, set()),
+    sp.propagate: (filters.PROPAGATE, set()),
+    sp.remesh: (filters.REMESH, {"color_landmarks"}),  # arrays of points have no colours
+    sp.evaluate: (filters.EVALUATE, set()),
+    sp.map_colors: (filters.COLOR, {"store_area_ratio", "landmark_layers"}),  # nor is there quality, nor landmark layers
+    sp.make_phantom: (filters.PHANTOM, set()),
+}
+CHOICES = {"initial_map": filters.INITIAL_MAPS, "method": filters.METHODS, "order": filters.ORDERS, "part": filters.PARTS,
+           "pattern": filters.PATTERNS}
+
+
+def tetrahedron(scale=1.0):
+    return np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * scale, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+def keywords(function):
+    return {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()
+            if parameter.kind is inspect.Parameter.KEYWORD_ONLY}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: function.__name__)
+def test_parameters_are_the_filters(function):
+    name, left_out = FUNCTIONS[function]
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(*tetrahedron()))
+    meant = meshes.filter_parameter_values(name)
+    found = keywords(function)
+    assert set(found) == set(meant) - left_out
+    for parameter, default in found.items():
+        value = CHOICES[parameter].index(default) if parameter in CHOICES else default
+        assert value == pytest.approx(meant[parameter], rel=1e-6) if isinstance(value, float) else value == meant[parameter]
+        assert type(value) is type(meant[parameter])
+        assert parameter in function.__doc__ or parameter in ("seed", "phases")  # which speak for themselves
+
+
+@pytest.mark.parametrize("parameter", CHOICES)
+def test_choices_are_the_filters(parameter, cycle):
+    """Every choice is accepted, and the filter knows no more: the number behind the last one is refused."""
+    call = {"initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
+            "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
+            "order": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"),
+            "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
+            "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4)}[parameter]
+    for choice in CHOICES[parameter]:
+        call(choice)
+    with pytest.raises(sp.FilterError):
+        call("None of these")
+
+
+def test_the_job_is_correspondence(cycle):
+    assert cycle.landmarks.shape == (6, 162, 3) and cycle.landmark_faces.shape == (320, 3)
+    assert cycle.figures["flipped_faces"].sum() == 0
+    assert all(np.allclose(np.linalg.norm(sphere.positions, axis=1), 1) for sphere in cycle.maps)
+    assert all(sphere.texture is not None for sphere in cycle.maps)
+    errors = sp.Ventricle("Cavity", 6).errors(cycle.landmarks)
+    assert errors[0] < 0.6 and errors.max() < 2.5  # mm; voxels are 4 mm
+
+
+def test_the_functions_are_the_filters(cycle):
+    """Layer by layer the same bits as a project in which the three filters run one after another."""
+    meshes = pymeshlab.MeshSet()
+    meshes.apply_filter(filters.PHANTOM, phases=6, voxel_size=4.0)
+    meshes.apply_filter(filters.ROOT)
+    meshes.apply_filter(filters.PROPAGATE, order="Cyclic time")
+    meshes.apply_filter(filters.REMESH, frequency=4)
+    for i, sphere in enumerate(cycle.maps):
+        assert np.array_equal(sphere.positions, meshes.mesh(i).vertex_custom_point_attribute_matrix("sphere_position"))
+        assert np.array_equal(sphere.texture, meshes.mesh(i).vertex_tex_coord_matrix())
+        assert np.array_equal(cycle.landmarks[i], meshes.mesh(6 + i).vertex_matrix())
+
+
+def test_arrays_will_do(cycle):
+    """(vertices, faces), positions alone, lists, other types of numbers."""
+    surfaces = [(surface.vertices.astype(np.float32).tolist(), surface.faces.astype(np.uint16)) for surface in cycle.surfaces[:2]]
+    root = sp.parameterise_root(surfaces[0])
+    assert set(root.figures) >= {"flipped_faces", "area_ratio_sd", "seconds"}
+    found = sp.propagate(surfaces, root.positions.tolist())
+    measures = sp.evaluate(surfaces, [sphere.positions for sphere in found.maps])
+    assert measures["valid"].tolist() == [1, 1] and measures["degree"] == pytest.approx([1, 1])
+    assert found.maps[1].figures["area_ratio_sd"] == pytest.approx(measures["area_ratio_sd"][1])
+    assert sp.remesh(surfaces, found.maps, frequency=2).points.shape == (2, 42, 3)
+
+
+def test_parents_are_a_list(cycle):
+    found = sp.propagate(cycle.surfaces[:4], cycle.root_map, order="Given", parents=[-1, 0, 0, 2])
+    assert found.figures["parent"].tolist() == [-1, 0, 0, 2]
+
+
+def test_the_largest_is_the_root(cycle):
+    mixed = [cycle.surfaces[i] for i in (2, 0, 3)]
+    assert sp.correspond(mixed, frequency=2).root == 1
+    assert sp.correspond(mixed, frequency=2, root=2).root == 2
+
+
+def test_a_map_that_is_not_valid_is_reported(cycle):
+    flipped = cycle.maps[0].positions * [1, 1, -1]
+    measures = sp.evaluate(cycle.surfaces[:2], [flipped, cycle.maps[1]])
+    assert measures["valid"].tolist() == [0, 1] and measures["flipped_faces"][0] == len(cycle.surfaces[0].faces)
+
+
+def test_the_same_place_has_the_same_colour(cycle):
+    direction = sp.map_colors(cycle.surfaces[:2], cycle.maps[:2], pattern="Direction")
+    assert [colors.shape for colors in direction] == [surface.vertices.shape for surface in cycle.surfaces[:2]]
+    near = (cycle.maps[0].positions @ cycle.maps[1].positions.T).argmax(1)
+    assert np.abs(direction[0] - direction[1][near]).max() < 0.2 and np.ptp(direction[0], 0).min() > 0.5
+
+
+def test_names_are_told_apart():
+    surfaces = [sp.Surface(*tetrahedron(), name) for name in ("a", "b", "a")]
+    assert distinct_names(surfaces) == ["a (0)", "b", "a (2)"]
+
+
+def test_volume():
+    assert sp.Surface(*tetrahedron(3)).volume == pytest.approx(27 / 6)
+
+
+V, F = tetrahedron()
+REFUSED = {
+    "shape (n, 3)": lambda c: sp.parameterise_root((V[:, :2], F)),
+    "integers of shape": lambda c: sp.parameterise_root((V, F.astype(float))),
+    "1 faces name a vertex that is not there (first: face 2": lambda c: sp.parameterise_root((V, F + [[0], [0], [1], [0]])),
+    "not int": lambda c: sp.parameterise_root(7),
+    "no surface": lambda c: sp.propagate([], c.root_map),
+    "Layer 6 cannot be the root": lambda c: sp.propagate(c.surfaces, c.root_map, root_layer=6),
+    "Layer -1 cannot": lambda c: sp.correspond(c.surfaces, root=-1),
+    "positions": lambda c: sp.propagate(c.surfaces, c.maps[0].positions[1:]),
+    "need as many maps, not 1": lambda c: sp.remesh(c.surfaces, c.maps[:1]),
+    "Positions of a map": lambda c: sp.SphereMap(V[:, 0]),
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_input_that_cannot_be_meant(words, cycle):
+    with pytest.raises(sp.InputError) as refused:
+        REFUSED[words](cycle)
+    assert words in str(refused.value) and isinstance(refused.value, ValueError)
+
+
+def test_filters_refuse_in_their_own_words(cycle):
+    opened = sp.Surface(cycle.surfaces[0].vertices, cycle.surfaces[0].faces[1:], "my heart")
+    with pytest.raises(sp.FilterError, match="my heart") as refused:
+        sp.parameterise_root(opened)
+    assert refused.value.filter == filters.ROOT and "Failed to apply" not in str(refused.value)
+    with pytest.raises(sp.FilterError, match="area_weight|[Aa]rea weight"):
+        sp.parameterise_root(cycle.surfaces[0], area_weight=2.0)
+    with pytest.raises(sp.FilterError, match="wrong type: frequency='ten'"):
+        sp.remesh(cycle.surfaces, cycle.maps, frequency="ten")
+    with pytest.raises(sp.FilterError, match="taken for a surface"):  # a landmark mesh is none
+        sp.propagate([*cycle.surfaces[:2], (cycle.landmarks[2], cycle.landmark_faces)], cycle.root_map)
+    for error in (sp.FilterError, sp.InputError, sp.FileError, sp.PluginError):
+        assert issubclass(error, sp.SpherePropagationError)
