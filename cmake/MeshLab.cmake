@@ -1,21 +1,21 @@
 # Where MeshLab's headers are, and add_meshlab_plugin(NAME SOURCES...).
 #
-# MESHLAB_SOURCE_DIR  an unpacked MeshLab source tree; scripts/build finds or fetches one and names it here
+# MESHLAB_SOURCE_DIR  an unpacked MeshLab source tree; scripts/build names one, otherwise scripts/needs finds or fetches it
 # MESHLAB_VERSION     what the host checks, e.g. 2025.07d (double), 2025.07 (float) or 2020.09
 # MESHLAB_SCALAR      double or float; must be the host's
 
-if(DEFINED ENV{XDG_CACHE_HOME})
-  set(meshlab_default $ENV{XDG_CACHE_HOME})
-else()
-  set(meshlab_default $ENV{HOME}/.cache)
-endif()
-set(meshlab_default ${meshlab_default}/sphere-propagation/meshlab-2025.07)
-if(DEFINED ENV{MESHLAB_SOURCE_DIR})
-  set(meshlab_default $ENV{MESHLAB_SOURCE_DIR})
-endif()
-set(MESHLAB_SOURCE_DIR ${meshlab_default} CACHE PATH "Unpacked MeshLab source tree")
 set(MESHLAB_VERSION 2025.07d CACHE STRING "MeshLab version the plugin is for")
 set(MESHLAB_SCALAR double CACHE STRING "Scalar type of that MeshLab")
+set(MESHLAB_SOURCE_DIR "$ENV{MESHLAB_SOURCE_DIR}" CACHE PATH "Unpacked MeshLab source tree (empty: fetched into the user's cache)")
+
+if(NOT MESHLAB_SOURCE_DIR)
+  string(REGEX REPLACE "d$" "" release ${MESHLAB_VERSION})
+  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/scripts/needs headers ${release}
+                  OUTPUT_VARIABLE MESHLAB_SOURCE_DIR OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "MeshLab's headers could not be fetched: see above, or set MESHLAB_SOURCE_DIR to an unpacked MeshLab ${release}.")
+  endif()
+endif()
 
 # 2020.09 keeps vcglib beside src, later versions inside.
 set(vcglib_dir ${MESHLAB_SOURCE_DIR}/src/vcglib)
@@ -23,15 +23,14 @@ if(NOT EXISTS ${vcglib_dir}/vcg)
   set(vcglib_dir ${MESHLAB_SOURCE_DIR}/vcglib)
 endif()
 if(NOT EXISTS ${vcglib_dir}/vcg/complex/complex.h)
-  message(FATAL_ERROR "No MeshLab source in MESHLAB_SOURCE_DIR=${MESHLAB_SOURCE_DIR}: "
-                      "call scripts/build, which fetches it, or name an unpacked tree.")
+  message(FATAL_ERROR "MESHLAB_SOURCE_DIR=${MESHLAB_SOURCE_DIR} holds no MeshLab source tree.")
 endif()
 
 add_library(vcglib INTERFACE)
 target_include_directories(vcglib SYSTEM INTERFACE ${vcglib_dir})
 
 if(SPHERE_PROPAGATION_PLUGINS)
-  find_package(Qt5 5.12 REQUIRED COMPONENTS Core Widgets OpenGL Xml)
+  need_package(Qt5 5.12 COMPONENTS Core Widgets OpenGL Xml)
 
   add_library(meshlab_headers INTERFACE)
   target_include_directories(meshlab_headers SYSTEM INTERFACE ${MESHLAB_SOURCE_DIR}/src)

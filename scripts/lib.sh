@@ -3,7 +3,8 @@
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build core plugin volumes benchmarks python pymeshlab pictures lint
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
-#   require_python                 sets PYTHON, the interpreter of an environment with requirements.txt installed
+#   require_python [PURPOSE]       sets PYTHON, the interpreter of an environment with requirements.txt (or
+#                                  requirements-PURPOSE.txt) installed from a wheelhouse, which sets WHEELHOUSE
 #   build_preset PRESET [TARGET..] configures where needed, builds; needs the two first
 #   plugin_path PRESET             where build_preset puts the plugin
 #
@@ -68,13 +69,18 @@ has_volumes() { [ -z "$without_volumes" ] && [ -f "$project_root/filter_label_vo
 
 is_debian() { command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; }
 
-require_packages() {
-  is_debian || { require_commands_elsewhere; return; }
-  local missing=() package installed
+missing_packages() { # PACKAGE...
+  local package installed
   installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)
   for package; do
-    grep -qxF "installed $package" <<<"$installed" || missing+=("$package")
+    grep -qxF "installed $package" <<<"$installed" || echo "$package"
   done
+}
+
+require_packages() {
+  is_debian || { require_commands_elsewhere; return; }
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
   [ ${#missing[@]} -gt 0 ] || return 0
 
   if [ "$(id -u)" != 0 ]; then
@@ -279,28 +285,29 @@ have_usable_python() {
   return 1
 }
 
-environment_is_complete() {
-  local dir=$cache_dir/venv-$python_series
-  cmp -s "$dir/installed.txt" "$project_root/scripts/requirements.txt" && [ -x "$dir/bin/python" ]
+environment_is_complete() { # [PURPOSE]
+  local dir=$cache_dir/venv-$python_series${1:+-$1}
+  cmp -s "$dir/installed.txt" "$project_root/scripts/requirements${1:+-$1}.txt" && [ -x "$dir/bin/python" ]
 }
 
 require_python() {
   have_usable_python || die "No Python 3.9 to 3.13 that can make virtual environments was found (PyMeshLab has wheels for these)."
-  environment_is_complete || with_lock make_environment
-  PYTHON=$cache_dir/venv-$python_series/bin/python
-  export PYTHON
+  environment_is_complete "$@" || with_lock make_environment "$@"
+  PYTHON=$cache_dir/venv-$python_series${1:+-$1}/bin/python
+  WHEELHOUSE=$cache_dir/wheelhouse-$python_series${1:+-$1}
+  export PYTHON WHEELHOUSE
 }
 
 make_environment() {
-  ! environment_is_complete || return 0 # another process was quicker
-  local dir=$cache_dir/venv-$python_series wheels=$cache_dir/wheelhouse-$python_series
-  local requirements=$project_root/scripts/requirements.txt log=$cache_dir/logs/pip.log
+  ! environment_is_complete "$@" || return 0 # another process was quicker
+  local name=$python_series${1:+-$1} requirements=$project_root/scripts/requirements${1:+-$1}.txt log=$cache_dir/logs/pip.log
+  local dir=$cache_dir/venv-$name wheels=$cache_dir/wheelhouse-$name
   say "Making the Python environment $dir"
   rm -rf "$dir"
   logged "$log" "$base_python" -m venv "$dir" || die "could not make the Python environment"
   # Wheels are kept: not every package index lets pip cache, and the next environment needs no network.
   if ! cmp -s "$wheels/requirements.txt" "$requirements"; then
-    say "Downloading Python packages (about 330 MB, once)"
+    say "Downloading Python packages ($([ -n "${1-}" ] && echo "for the $1" || echo "about 330 MB"), once)"
     rm -rf "$wheels.part"; mkdir -p "$wheels.part"
     logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check download -q --only-binary :all: -r "$requirements" \
       -d "$wheels.part" $([ ! -d "$wheels" ] || echo --find-links "$wheels") || die "could not download the Python packages"
@@ -311,7 +318,7 @@ make_environment() {
   logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check install -q --no-index --find-links "$wheels" -r "$requirements" ||
     die "could not install the Python packages"
   # Without libOpenGL, PyMeshLab imports but lacks the plugin that opens PLY files.
-  "$dir/bin/python" -c 'import pymeshlab, sys; sys.exit(pymeshlab.plugin_number() < 58)' ||
+  ! grep -q '^pymeshlab' "$requirements" || "$dir/bin/python" -c 'import pymeshlab, sys; sys.exit(pymeshlab.plugin_number() < 58)' ||
     die "PyMeshLab does not load all its plugins: are libGL.so.1 and libOpenGL.so.0 installed?"
   cp "$requirements" "$dir/installed.txt"
 }

@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+"""Makes sure that a wheel holds what it must and that its plugin loads on every system its tag promises: check_wheel.py WHEEL
+
+The tag manylinux_2_35 stands for glibc 2.35, and Ubuntu 22.04 is the oldest system that is meant: its libstdc++ is that of GCC 12.
+Reads the plugin's dynamic section with objdump (binutils, which comes with the compiler).
+"""
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+TAG = "py3-none-manylinux_2_35_x86_64"
+PLUGIN = "sphere_propagation/libfilter_sphere_propagation.so"
+CONTENTS = (PLUGIN, "sphere_propagation/__init__.py", "sphere_propagation/py.typed", "sphere_propagation/_version.py",
+            "_sphere_propagation_command.py")
+NEWEST = {"GLIBC": (2, 35), "GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12,), "Qt": (5, 15)}
+LIBRARIES = {  # that PyMeshLab has loaded before any plugin, and the system's
+    "libmeshlab-common.so", "libQt5Core.so.5", "libQt5Gui.so.5", "libQt5Widgets.so.5", "libQt5OpenGL.so.5", "libQt5Xml.so.5",
+    "libGL.so.1", "libstdc++.so.6", "libgcc_s.so.1", "libm.so.6", "libc.so.6"}
+
+
+def library_complaints(path, newest=None, libraries=None):
+    """What keeps a library from loading where the tag says it does, one line each."""
+    text = subprocess.run(["objdump", "-p", str(path)], check=True, capture_output=True, text=True).stdout
+    complaints = [f"needs {name}, which neither PyMeshLab nor the system has"
+                  for name in re.findall(r"^ *NEEDED +(\S+)", text, re.M) if name not in (libraries or LIBRARIES)]
+    complaints += [f"looks for libraries in {where}" for where in re.findall(r"^ *(?:RUNPATH|RPATH) +(\S+)", text, re.M)]
+    references = text.partition("Version References:")[2]
+    versions = re.findall(r"^ +0x\w+ 0x\w+ \d+ (\w+?)_([\d.]+)$", references, re.M)
+    if not versions:
+        complaints.append("names no symbol version: objdump was not understood")
+    for name, version in sorted(set(versions)):
+        limit = (newest or NEWEST).get(name)
+        if limit is None or tuple(map(int, version.split("."))) > limit:
+            complaints.append(f"needs symbols of {name}_{version}" + (f", newer than {'.'.join(map(str, limit))}" if limit else ""))
+    return complaints
+
+
+def wheel_complaints(path):
+    """What is wrong with a wheel, one line each."""
+    path, complaints = Path(path), []
+    if not path.name.endswith(f"-{TAG}.whl"):
+        complaints.append(f"its name does not end with the tag {TAG}")
+    with zipfile.ZipFile(path) as wheel:
+        names = wheel.namelist()
+        complaints += [f"{name} is missing" for name in CONTENTS if name not in names]
+        complaints += [f"{name} does not belong into it" for name in names if not re.match(
+            r"sphere_propagation/[\w.]+$|_sphere_propagation_command\.py$|sphere_propagation-[\d.]+\.dist-info/", name)]
+        (about,) = [name for name in names if name.endswith(".dist-info/WHEEL")]
+        if f"Tag: {TAG}\n" not in wheel.read(about).decode():
+            complaints.append(f"its metadata does not say {TAG}")
+        if PLUGIN in names:
+            with tempfile.TemporaryDirectory() as folder:
+                complaints += [f"the plugin {text}" for text in library_complaints(wheel.extract(PLUGIN, folder))]
+    return complaints
+
+
+if __name__ == "__main__":
+    found = wheel_complaints(sys.argv[1])
+    for complaint in found:
+        print(f"{Path(sys.argv[1]).name}: {complaint}", file=sys.stderr)
+    sys.exit(bool(found))

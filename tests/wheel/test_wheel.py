@@ -1,0 +1,94 @@
+"""The wheel: what is in it and where it may be installed; and in a fresh environment the import, the main job, the command."""
+import re
+import shutil
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import check_wheel
+
+PROJECT = Path(__file__).resolve().parents[2]
+VERSION = re.search(r"VERSION ([0-9.]+)", re.search(r"project\(.*", (PROJECT / "CMakeLists.txt").read_text())[0])[1]
+
+
+def test_contents_tag_and_symbols(wheel):
+    assert check_wheel.wheel_complaints(wheel) == []
+    assert wheel.name == f"sphere_propagation-{VERSION}-{check_wheel.TAG}.whl"
+
+
+@pytest.fixture
+def plugin(wheel, tmp_path):
+    with zipfile.ZipFile(wheel) as file:
+        return file.extract(check_wheel.PLUGIN, tmp_path)
+
+
+def test_symbols_that_are_too_new_are_found(plugin):
+    old = {**check_wheel.NEWEST, "GLIBC": (2, 3), "GLIBCXX": (3, 4, 9)}
+    found = check_wheel.library_complaints(plugin, newest=old)
+    assert any(re.search(r"GLIBC_2\.\d+, newer than 2\.3$", text) for text in found)
+    assert any(re.search(r"GLIBCXX_3\.4\.\d+, newer than 3\.4\.9$", text) for text in found)
+    assert check_wheel.library_complaints(plugin, libraries=check_wheel.LIBRARIES - {"libQt5Core.so.5"}) == [
+        "needs libQt5Core.so.5, which neither PyMeshLab nor the system has"]
+
+
+def test_a_wheel_that_lacks_things_is_found(wheel, tmp_path):
+    bad = tmp_path / wheel.name.replace(check_wheel.TAG, "py3-none-linux_x86_64")
+    with zipfile.ZipFile(wheel) as good, zipfile.ZipFile(bad, "w") as file:
+        for name in good.namelist():
+            if not name.endswith("py.typed"):
+                file.writestr(name, good.read(name).replace(check_wheel.TAG.encode(), b"py3-none-linux_x86_64"))
+        file.writestr("tests/test_x.py", "")
+    assert len(check_wheel.wheel_complaints(bad)) == 4  # name, metadata, py.typed, tests
+
+
+def test_metadata_suits_pip(environment):
+    assert "No broken requirements" in environment.run("pip", "check")
+    about = environment.run("pip", "show", "sphere-propagation")
+    assert f"Version: {VERSION}\n" in about and re.search(r"Requires: numpy, pymeshlab\n", about)
+
+
+def test_the_plugin_comes_with_the_package(environment):
+    said = environment.run("python", "-c", "import pymeshlab, sphere_propagation as sp; from sphere_propagation import plugin; "
+                           "m = pymeshlab.MeshSet(); m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); "
+                           "m.apply_filter('compute_spherical_parameterisation_root'); print(plugin.loaded(), sp.__version__)")
+    path, version = said.split()
+    assert Path(path).parent.name == "sphere_propagation" and environment.bin.parent in Path(path).parents
+    assert version == VERSION
+
+
+def test_the_main_job(environment):
+    code = """
+import numpy as np, sphere_propagation as sp
+surfaces = sp.make_phantom(phases=5, voxel_size=4)
+result = sp.correspond(surfaces, root=0, order="Cyclic time", frequency=5)
+assert result.landmarks.shape == (5, 252, 3) and result.figures["flipped_faces"].sum() == 0
+assert (sp.evaluate(surfaces, result.maps)["valid"] == 1).all()
+assert sp.Ventricle("Cavity", 5).errors(result.landmarks).max() < 2.5
+sp.write_layers("layers", "phantom", result)
+again = sp.read_mesh("layers/phantom/surfaces/phantom_cavity_02.ply")
+assert np.array_equal(again.faces, surfaces[2].faces)
+"""
+    environment.run("python", "-W", "error", "-c", code)
+
+
+def test_the_command(environment):
+    """Without Matplotlib and PyVista: everything but the pictures."""
+    said = environment.run("sphere-propagation", "demo", "out", "--phases", 3, "--voxel-size", 4, "--frequency", 3)
+    assert "matplotlib and pyvista not installed" in said and (environment.folder / "out/wall/wall.mlp").is_file()
+    said = environment.run("sphere-propagation", "run", "out/cavity/surfaces", "-o", "mine", "--name", "heart", "--frequency", 3)
+    assert re.search(r"heart +Robust +3 +0 ", said) and (environment.folder / "mine/heart/heart.mlp").is_file()
+    assert environment.run("sphere-propagation", "run", "nowhere", "-o", "x", code=1) == "error: There is no file or folder nowhere.\n"
+    assert environment.run("sphere-propagation", "--version") == f"sphere-propagation {VERSION}\n"
+    assert environment.run("python", "-m", "sphere_propagation", "--version") == f"sphere-propagation {VERSION}\n"
+    assert VERSION in environment.run("sphere-propagation", "info")
+
+
+def test_a_package_without_its_plugin_says_so(environment):
+    library = next(environment.bin.parent.glob("lib/*/site-packages/" + check_wheel.PLUGIN))
+    shutil.move(library, environment.folder / "elsewhere.so")
+    try:
+        said = environment.run("sphere-propagation", "info", code=1)
+    finally:
+        shutil.move(environment.folder / "elsewhere.so", library)
+    assert said.startswith("error: The plugin libfilter_sphere_propagation.so is not in the package.") and "Traceback" not in said
