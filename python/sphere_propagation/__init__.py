@@ -10,7 +10,7 @@ Importing this package makes PyMeshLab know the plugin's filters, and offers the
 """
 from . import plugin as _plugin
 from .correspondence import Correspondence, correspond
-from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError
+from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError, SpherePropagationWarning
 from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
 from .filters import Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate, remesh
 from .phantom import Ventricle
@@ -20,7 +20,7 @@ from .surface import Surface
 from .version import version as _version
 
 __all__ = ["Correspondence", "FileError", "FilterError", "InputError", "Landmarks", "PluginError", "Propagation",
-           "SpherePropagationError", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate", "make_phantom", "map_colors",
+           "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate", "make_phantom", "map_colors",
            "mesh_files", "parameterise_root", "propagate", "read_map", "read_mesh", "read_meshes", "remesh", "write_layers", "write_ply"]
 __version__ = _version()
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 import argparse
 import platform
 import sys
+import warnings
 from importlib.util import find_spec
 from pathlib import Path
 from typing import List, Optional, Sequence
 
 from . import filters, jobs, pictures, plugin, progress, report, version
-from .errors import SpherePropagationError
+from .errors import SpherePropagationError, SpherePropagationWarning
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
@@ -24,8 +25,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         shown.append(progress.for_stream(steps))
         return shown[-1]
 
+    def show_warning(message, category, filename, lineno, file=None, line=None) -> None:
+        (shown[-1] if shown else progress.Lines()).note(f"warning: {message}")
+
     try:
-        return options.action(options, make_progress)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # other people's are not for users
+            warnings.simplefilter("always", SpherePropagationWarning)
+            warnings.showwarning = show_warning
+            return options.action(options, make_progress)
     except BrokenPipeError:
         raise
     except (SpherePropagationError, OSError, MemoryError) as error:

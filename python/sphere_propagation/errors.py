@@ -5,12 +5,18 @@
       InputError (ValueError)       an argument that no filter needs to see: an array of the wrong shape, a root that is not there
       FileError (OSError)           a file that cannot be read as a mesh or a map
       FilterError (RuntimeError)    a filter refused; the message is the filter's own
+
+    SpherePropagationWarning        a result that deserves a look
 """
 from __future__ import annotations
 
 
 class SpherePropagationError(Exception):
     """Base of all errors below."""
+
+
+class SpherePropagationWarning(UserWarning):
+    """A result that deserves a look."""
 
 
 class PluginError(SpherePropagationError, ImportError):

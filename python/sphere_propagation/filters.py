@@ -5,13 +5,14 @@ docs/. Every map that comes back is certified valid.
 """
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Dict, List, Sequence, Union
 
 import numpy as np
 
 from . import layers
-from .errors import FilterError, InputError
+from .errors import FilterError, InputError, SpherePropagationWarning
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surface, as_surfaces
 
@@ -27,6 +28,8 @@ METHODS = ("Robust", "As published")
 ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
 PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
 PARTS = ("Cavity", "Wall")
+
+MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
 
@@ -83,6 +86,8 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
+
+    Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it.
     """
     surfaces = as_surfaces(surfaces)
     root_map = as_map(root_map)
@@ -97,7 +102,17 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     if len(figures["parent"]) != len(surfaces):
         raise FilterError(PROPAGATE, "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
                           "the unit sphere, or is called like a layer of a shape model.")
+    _warn_of_distant_layers(surfaces, figures["residual_mean"])
     return Propagation([layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))], figures)
+
+
+def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) -> None:
+    """As the filter does in its log, which Python does not get."""
+    for surface, residual in zip(surfaces, residuals):
+        edges = residual / surface.mean_edge_length
+        if edges > MOST_RESIDUAL_IN_EDGES:
+            warnings.warn(f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on average: it may be another "
+                          "shape, in another pose or in another unit.", SpherePropagationWarning, stacklevel=3)
 
 
 def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10) -> Landmarks:

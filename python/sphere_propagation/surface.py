@@ -42,6 +42,12 @@ class Surface:
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
+    @property
+    def mean_edge_length(self) -> float:
+        """Of its faces' edges."""
+        corners = self.vertices[self.faces]
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+
 
 SurfaceLike = Union[Surface, Tuple[np.ndarray, np.ndarray]]  # the tuple: vertices, faces
 

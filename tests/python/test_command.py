@@ -102,6 +102,14 @@ def test_info(capsys):
     assert re.search(r"pymeshlab +2025\.7", said) and re.search(rf"sphere-propagation +{sp.__version__}\n", said)
 
 
+def test_warnings_are_lines(cycle, heart, tmp_path, capsys):
+    big = cycle.surfaces[2]
+    write(heart, [sp.Surface(big.vertices * 10, big.faces, big.name)])
+    assert run("run", heart, "-o", tmp_path / "out", "--root", 0, "--no-pictures") == 0
+    said = capsys.readouterr()
+    assert re.search(rf"^ +warning: {big.name} lies \d", said.out, re.M) and not said.err
+
+
 def refusal(capsys, *arguments):
     assert run(*arguments) == 1
     said = capsys.readouterr().err

@@ -99,6 +99,13 @@ def test_parents_are_a_list(cycle):
     assert found.figures["parent"].tolist() == [-1, 0, 0, 2]
 
 
+def test_a_surface_in_another_unit_is_warned_of(cycle):
+    away = sp.Surface(cycle.surfaces[2].vertices * 10, cycle.surfaces[2].faces, "in tenths of mm")
+    with pytest.warns(sp.SpherePropagationWarning, match=r"^in tenths of mm lies \d+\.\d edge lengths off") as warned:
+        sp.propagate([*cycle.surfaces[:2], away], cycle.root_map)
+    assert len(warned) == 1 and warned[0].filename == __file__
+
+
 def test_the_largest_is_the_root(cycle):
     mixed = [cycle.surfaces[i] for i in (2, 0, 3)]
     assert sp.correspond(mixed, frequency=2).root == 1
@@ -123,8 +130,10 @@ def test_names_are_told_apart():
     assert distinct_names(surfaces) == ["a (0)", "b", "a (2)"]
 
 
-def test_volume():
-    assert sp.Surface(*tetrahedron(3)).volume == pytest.approx(27 / 6)
+def test_volume_and_edges():
+    surface = sp.Surface(*tetrahedron(3))
+    assert surface.volume == pytest.approx(27 / 6)
+    assert surface.mean_edge_length == pytest.approx((1 + 2 ** 0.5) / 2 * 3)
 
 
 V, F = tetrahedron()
