@@ -51,6 +51,11 @@ class MapError : public Error {
   long first;  ///< index of the first of them; -1 where none can be named
 };
 
+/// A file cannot be written; nothing was changed in what was there before.
+class ExportError : public Error {
+  using Error::Error;
+};
+
 /// A map cannot be handed from one surface to another: they correspond nowhere.
 class PropagationError : public Error {
   using Error::Error;

@@ -1,0 +1,95 @@
+#include "vcg_ext/model/model_export.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/model/model_formats.h"
+
+namespace sphere_propagation {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 5> endings = {".npz", ".json", ".particles", ".ply", ".csv"};
+
+std::string endingOf(const fs::path& path) {
+  std::string ending = path.extension().u8string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+[[noreturn]] void fail(const fs::path& path, const std::string& why) {
+  throw ExportError("The model cannot be written to \"" + path.u8string() + "\": " + why);
+}
+
+/// Writes beside the file and renames: what was there stays until the new file is complete.
+void write(const fs::path& path, const std::string& content) {
+  fs::path part = path;
+  part += ".part";
+  errno = 0;
+  std::ofstream file(part, std::ios::binary | std::ios::trunc);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.close();
+  std::error_code error(errno, std::generic_category());
+  if (file.good()) {
+    fs::rename(part, path, error);
+    if (!error) return;
+  }
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  fail(path, error ? error.message() + "." : std::string("writing failed."));
+}
+
+}  // namespace
+
+std::string modelFileEndings() {
+  std::string list;
+  for (const char* ending : endings) list += (list.empty() ? "" : ", ") + std::string(ending);
+  return list;
+}
+
+void requireExportable(const std::string& name) {
+  const fs::path path = fs::u8path(name);
+  const std::string ending = endingOf(path);
+  if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+    fail(path, (ending.empty() ? "its name has no ending" : "\"" + ending + "\" is no format that is known") +
+                   "; choose one of " + modelFileEndings() + ".");
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) fail(path, "it is a folder. Name a file.");
+  const fs::path folder = path.parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    fail(path, "there is no folder \"" + folder.u8string() + "\". Make it first.");
+}
+
+std::vector<std::string> exportModel(const std::string& name, const ShapeModel& model, const TrainingSet& aligned) {
+  requireExportable(name);
+  const fs::path path = fs::u8path(name);
+  const std::string ending = endingOf(path);
+  if (ending == ".npz") write(path, npzFile(model));
+  if (ending == ".json") write(path, statismoFile(model));
+  if (ending == ".ply") write(path, plyFile(model));
+  if (ending == ".csv") write(path, scoresTable(model));
+  std::vector<std::string> written = {name};
+  if (ending != ".particles") return written;
+  const size_t digits = std::max<size_t>(3, std::to_string(aligned.shapes().size() - 1).size());
+  for (size_t k = 0; k < aligned.shapes().size(); ++k) {
+    std::string number = std::to_string(k);
+    number.insert(0, digits - number.size(), '0');
+    fs::path beside = path;
+    beside.replace_filename(path.stem().u8string() + "_" + number + path.extension().u8string());
+    write(beside, particlesFile(aligned.shapes()[k].landmarks));
+    written.push_back(beside.u8string());
+  }
+  write(path, particlesFile(model.mean));
+  return written;
+}
+
+}  // namespace sphere_propagation

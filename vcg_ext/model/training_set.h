@@ -1,0 +1,33 @@
+#pragma once
+/// The shapes that a model is built from. Correspondence is a property of the type: whatever takes a TrainingSet need
+/// not check again that landmark j is there on every shape.
+
+#include <string>
+#include <vector>
+
+#include "vcg_ext/base/matrices.h"
+
+namespace sphere_propagation {
+
+class TrainingSet {
+ public:
+  struct Shape {
+    std::string name;  ///< what errors call it: the layer's label
+    Points landmarks;  ///< #N by 3
+  };
+
+  /// shapes: two or more, with as many landmarks each, at least one, all finite; faces: #F by 3, common to all.
+  /// Throws ParameterError, which names the shapes concerned.
+  TrainingSet(std::vector<Shape> shapes, Triangles faces);
+
+  const std::vector<Shape>& shapes() const { return shapes_; }
+  const Triangles& faces() const { return faces_; }
+  Eigen::Index shapeCount() const { return static_cast<Eigen::Index>(shapes_.size()); }
+  Eigen::Index landmarkCount() const { return shapes_.front().landmarks.rows(); }
+
+ private:
+  std::vector<Shape> shapes_;
+  Triangles faces_;
+};
+
+}  // namespace sphere_propagation
