@@ -11,6 +11,7 @@ std::vector<std::unique_ptr<host::Filter>> makeFilters() {
   filters.push_back(makeEvaluationFilter());
   filters.push_back(makeSphereLayersFilter());
   filters.push_back(makeColorFilter());
+  filters.push_back(makeShapeModelFilter());
   return filters;
 }
 

@@ -15,6 +15,7 @@ std::unique_ptr<host::Filter> makeRemeshingFilter();     ///< Remesh by icospher
 std::unique_ptr<host::Filter> makeEvaluationFilter();    ///< Evaluate spherical parameterisation
 std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisation as sphere layers
 std::unique_ptr<host::Filter> makeColorFilter();         ///< Colour by spherical parameterisation
+std::unique_ptr<host::Filter> makeShapeModelFilter();    ///< Build statistical shape model
 
 /// All of them.
 std::vector<std::unique_ptr<host::Filter>> makeFilters();

@@ -24,6 +24,8 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
   if (layer.colors)
     for (int v = 0; v < mesh->vn; ++v)
       mesh->vert[v].C() = vcg::Color4b((*layer.colors)(v, 0), (*layer.colors)(v, 1), (*layer.colors)(v, 2), 255);
+  if (layer.quality)
+    for (int v = 0; v < mesh->vn; ++v) mesh->vert[v].Q() = static_cast<Scalarm>((*layer.quality)[v]);
   for (const auto& [name, values] : layer.pointAttributes) {
     auto handle = Allocator::AddPerVertexAttribute<Point3m>(*mesh, name);
     for (int v = 0; v < mesh->vn; ++v) handle[static_cast<size_t>(v)] = pointm(values, v);
@@ -107,6 +109,15 @@ void Changes::addLayer(const NewLayer& layer) {
   layers_.push_back({layer.label, replaced, makeMesh(layer), layer.matrix});
 }
 
+void Changes::removeOtherLayers(LayerKind kind) {
+  for (const MeshModel* mesh : meshesOf(document_)) {
+    const bool replaced = std::any_of(layers_.begin(), layers_.end(),
+                                      [mesh](const LayerChange& change) { return change.replacedId == mesh->id(); });
+    const Layer layer(*mesh);
+    if (!replaced && layer.kind() == kind && !layer.hasFileName()) removedIds_.push_back(mesh->id());
+  }
+}
+
 int Changes::commit() {
   int changed = MeshModel::MM_NONE;
   for (MapChange& change : maps_) {
@@ -165,6 +176,10 @@ int Changes::commit() {
     changed |= MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL |
                MeshModel::MM_FACEVERT;
   }
+  const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
+  for (const int id : removedIds_) removeLayer(document_, id);
+  // MeshLab makes the layer behind one that goes the current one, whichever was.
+  if (!removedIds_.empty() && Layers(document_).find(current)) document_.setCurrentMesh(current);
   return changed;
 }
 

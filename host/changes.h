@@ -22,6 +22,7 @@ struct NewLayer {
   Points vertices;
   Triangles faces;
   std::optional<Colors> colors;                   ///< per vertex
+  std::optional<Eigen::VectorXd> quality;         ///< per vertex
   std::map<std::string, Points> pointAttributes;  ///< per vertex
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
 };
@@ -49,6 +50,10 @@ class Changes {
   /// run made, replaces what that one holds.
   void addLayer(const NewLayer& layer);
 
+  /// Removes the layers of this kind that an earlier run made and this one does not replace. Called after the last
+  /// addLayer. What was loaded from a file, by its name, stays.
+  void removeOtherLayers(LayerKind kind);
+
   /// Makes the first of the new layers the current one (else the current layer stays).
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
 
@@ -66,6 +71,7 @@ class Changes {
   std::vector<ColorChange> colors_;
   std::vector<QualityChange> qualities_;
   std::vector<LayerChange> layers_;
+  std::vector<int> removedIds_;
   bool firstBecomesCurrent_ = false;
 };
 

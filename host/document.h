@@ -5,6 +5,7 @@
 #ifdef HOST_IS_MESHLAB_2020
 #include <common/filter_parameter/rich_parameter_list.h>
 #include <common/meshmodel.h>
+using RichFileSave = RichSaveFile;
 #else
 #include <common/ml_document/mesh_document.h>
 #include <common/parameters/rich_parameter_list.h>
@@ -32,6 +33,9 @@ std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name
 /// Makes a layer hold what `mesh` holds (vertices, faces, colours, point attributes) and nothing else, and updates
 /// normals, box and data mask. The layer's matrix, label and visibility stay.
 void replaceMesh(MeshModel& layer, CMeshO&& mesh);
+
+/// Takes a layer off the document.
+void removeLayer(MeshDocument& document, int id);
 
 /// Adds a choice among the document's layers.
 void addLayerParameter(RichParameterList& list, const Parameter& parameter, const MeshDocument& document);

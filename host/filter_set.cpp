@@ -25,6 +25,9 @@ void add(RichParameterList& list, const Parameter& parameter, const MeshDocument
       addRichParameter<RichEnum>(list, p, v.chosen, names);
     }
     void operator()(const Parameter::LayerId&) const { addLayerParameter(list, p, document); }
+    void operator()(const Parameter::NewFile& v) const {
+      addRichParameter<RichFileSave>(list, p, QString(), qt(v.filter));
+    }
   };
   std::visit(Visitor{list, parameter, document}, parameter.value);
 }
@@ -44,6 +47,7 @@ class RichValues : public ParameterValues {
     return chosen;
   }
   int layerId(const std::string& name) const override { return chosenLayerId(list_, name); }
+  std::string newFile(const std::string& name) const override { return list_.getSaveFileName(qt(name)).toStdString(); }
 
  private:
   // A filter script may hold any number.

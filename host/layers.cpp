@@ -2,6 +2,7 @@
 
 #include <QRegularExpression>
 #include <cmath>
+#include <limits>
 
 #include "host/document.h"
 #include "vcg_ext/map/certificate.h"
@@ -33,24 +34,31 @@ bool isUnitSphere(const CMeshO& mesh) {
   return true;
 }
 
-bool isModelName(const std::string& label) {
+QString withoutFileEnding(QString label) {
+  static const QRegularExpression ending("\\.(ply|obj|stl|off|wrl|x3d|vtk|gltf|glb|dae|3ds|ctm)$",
+                                         QRegularExpression::CaseInsensitiveOption);
+  return label.remove(ending);
+}
+
+bool isModelName(const QString& label) {
   static const QRegularExpression pattern("^(mean shape|mode \\d+ [+-]\\S+ sd)( ?\\(\\d+\\))?$");
-  return pattern.match(QString::fromStdString(label)).hasMatch();
+  return pattern.match(withoutFileEnding(label)).hasMatch();
 }
 
 }  // namespace
 
+double coordinateEpsilon() { return static_cast<double>(std::numeric_limits<Scalarm>::epsilon()); }
+
 int Layer::id() const { return mesh_->id(); }
 std::string Layer::label() const { return mesh_->label().toStdString(); }
 std::string Layer::derivedLabel(const std::string& suffix) const {
-  static const QRegularExpression ending("\\.(ply|obj|stl|off|wrl|x3d|vtk|gltf|glb|dae|3ds|ctm)$",
-                                         QRegularExpression::CaseInsensitiveOption);
-  return mesh_->label().remove(ending).toStdString() + " " + suffix;
+  return withoutFileEnding(mesh_->label()).toStdString() + " " + suffix;
 }
+bool Layer::hasFileName() const { return withoutFileEnding(mesh_->label()) != mesh_->label(); }
 bool Layer::visible() const { return mesh_->isVisible(); }
 
 LayerKind Layer::kind() const {
-  if (isModelName(label())) return LayerKind::Model;
+  if (isModelName(mesh_->label())) return LayerKind::Model;
   if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
   if (frequencyOf(mesh_->cm)) return LayerKind::Landmarks;
   return LayerKind::Surface;

@@ -25,6 +25,9 @@ enum class LayerKind {
   Model,      ///< made by the shape model: "mean shape", "mode 1 -3 sd"
 };
 
+/// The relative precision of the coordinates that the host's meshes hold.
+double coordinateEpsilon();
+
 /// A layer, to be read.
 class Layer {
  public:
@@ -34,6 +37,8 @@ class Layer {
   std::string label() const;
   /// The label without a file name's ending, and " suffix" behind it: what a layer made from this one is called.
   std::string derivedLabel(const std::string& suffix) const;
+  /// Whether the label ends as a file's name does.
+  bool hasFileName() const;
   bool visible() const;
   LayerKind kind() const;
 

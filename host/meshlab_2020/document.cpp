@@ -45,6 +45,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
 }
 
+void removeLayer(MeshDocument& document, int id) { document.delMesh(document.getMesh(id)); }
+
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   if (document.meshList.empty()) return;  // MeshLab's widget wants a layer to show
   // This MeshLab means places in the list, not ids, and takes no constant document, which it does not change.

@@ -15,7 +15,8 @@ REMESH = "generate_icosphere_remeshing"
 EVALUATE = "get_spherical_parameterisation_measures"
 SPHERES = "generate_sphere_layers"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
-FILTERS = [PHANTOM, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR]
+MODEL = "compute_statistical_shape_model"
+FILTERS = [PHANTOM, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR]
 
 MENU_OF = {
     PHANTOM: "Beating ventricle phantom",
@@ -25,6 +26,7 @@ MENU_OF = {
     EVALUATE: "Evaluate spherical parameterisation",
     SPHERES: "Show parameterisation as sphere layers",
     COLOR: "Colour by spherical parameterisation",
+    MODEL: "Build statistical shape model",
 }
 
 ATTRIBUTE = "sphere_position"

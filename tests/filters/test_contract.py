@@ -3,8 +3,8 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from documents import (COLOR, EVALUATE, FIGURES, FILTERS, MENU_OF, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, labels, mapped_cycle,
-                       positions, small_cycle, written_script)
+from documents import (COLOR, EVALUATE, FIGURES, FILTERS, MENU_OF, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, labels,
+                       mapped_cycle, positions, small_cycle, written_script)
 from environment import PROJECT
 from surfaces import egg
 
@@ -32,6 +32,16 @@ PARAMETERS = {
         "store_area_ratio": False,
         "landmark_layers": True,
     },
+    MODEL: {
+        "alignment": ["Similarity", "Rigid", "None"],
+        "modes": 0,
+        "standard_deviations": 3.0,
+        "mode_layers": 3,
+        "export_file": "",
+        "area_weights": False,
+        "specificity_samples": 1000,
+        "seed": 0,
+    },
 }
 
 RETURNED = {
@@ -42,6 +52,8 @@ RETURNED = {
     EVALUATE: {"valid", "degree", *FIGURES},
     SPHERES: {"layers"},
     COLOR: {"layers"},
+    MODEL: {"eigenvalues", "compactness", "variance_share", "generalisation", "generalisation_error", "specificity",
+            "specificity_error", "scores", "shapes", "modes", "landmarks", "seconds"},
 }
 
 
@@ -119,12 +131,13 @@ def test_returned_keys_are_documented(name):
 
 def test_new_layers_are_called_after_their_source(tour):
     surfaces = [f"phantom cavity {t:02d}" for t in range(3)]
-    assert labels(tour[0]) == surfaces + [s + " landmarks" for s in surfaces] + [s + " sphere" for s in surfaces]
+    model = ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd", "mode 2 -3 sd", "mode 2 +3 sd"]
+    assert labels(tour[0]) == surfaces + [s + " landmarks" for s in surfaces] + [s + " sphere" for s in surfaces] + model
 
 
 def test_sphere_layers_are_the_surface_on_the_sphere(tour):
     ms = tour[0]
-    for surface, sphere in zip(list(ms)[:3], list(ms)[6:]):
+    for surface, sphere in zip(list(ms)[:3], list(ms)[6:9]):
         assert np.array_equal(sphere.face_matrix(), surface.face_matrix())
         assert np.array_equal(sphere.vertex_matrix(), positions(surface))
 

@@ -1,8 +1,8 @@
 #pragma once
 /// Displacements as colours.
 
+#include "vcg_ext/base/colors.h"
 #include "vcg_ext/base/matrices.h"
-#include "vcg_ext/remeshing/landmark_colors.h"
 
 namespace sphere_propagation {
 

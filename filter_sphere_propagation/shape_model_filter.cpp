@@ -1,0 +1,218 @@
+// "Build statistical shape model": from landmark layers to their mean, modes, scores and figures.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/model/displacement_colors.h"
+#include "vcg_ext/model/model_export.h"
+#include "vcg_ext/model/model_measures.h"
+#include "vcg_ext/model/procrustes.h"
+#include "vcg_ext/model/shape_model.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// The visible landmark layers as shapes that correspond.
+TrainingSet trainingSet(const host::Task& task) {
+  const std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
+  if (layers.empty())
+    throw ParameterError(
+        "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that it made.");
+  std::vector<TrainingSet::Shape> shapes;
+  Triangles faces;
+  for (const host::Layer& layer : layers) {
+    const MeshSurface mesh = layer.surface();
+    shapes.push_back({layer.label(), mesh.surface.vertices()});
+    if (shapes.size() == 1) faces = mesh.surface.faces();
+    // Layers of different sizes are the training set's business. Of one size they have one list, unless one is
+    // mirrored.
+    if (mesh.surface.vertices().rows() == shapes.front().landmarks.rows() && mesh.surface.faces() != faces)
+      throw ParameterError("Layers \"" + shapes.front().name + "\" and \"" + layer.label() +
+                           "\" have different face lists: the matrix of one of them mirrors. Mirror both or none.");
+  }
+  return {std::move(shapes), std::move(faces)};
+}
+
+std::string percent(double share) { return shortNumber(100 * share) + " %"; }
+
+/// The mean, and for the first modes the shapes at both ends, coloured by their displacement along the mean's normal.
+void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayers, double deviations) {
+  struct Deviated {
+    std::string label;
+    Points shape;
+    Eigen::VectorXd displacement;
+  };
+  std::vector<Deviated> shapes = {{"mean shape", model.mean, Eigen::VectorXd::Zero(model.mean.rows())}};
+  for (Eigen::Index mode = 0; mode < modeLayers; ++mode)
+    for (const bool plus : {false, true}) {
+      Points shape = model.shape(mode, plus ? deviations : -deviations);
+      Eigen::VectorXd displacement = normalDisplacements(model.mean, shape, model.faces);
+      shapes.push_back({"mode " + std::to_string(mode + 1) + (plus ? " +" : " -") + shortNumber(deviations) + " sd",
+                        std::move(shape), std::move(displacement)});
+    }
+  double range = 0;
+  for (const Deviated& d : shapes) range = std::max(range, d.displacement.cwiseAbs().maxCoeff());
+  for (Deviated& d : shapes) {
+    host::NewLayer layer;
+    layer.label = d.label;
+    layer.kind = host::LayerKind::Model;
+    layer.vertices = std::move(d.shape);
+    layer.faces = model.faces;
+    layer.colors = displacementColors(d.displacement, range);
+    layer.quality = std::move(d.displacement);
+    task.changes.addLayer(layer);
+  }
+  task.changes.removeOtherLayers(host::LayerKind::Model);
+  if (modeLayers > 0)
+    task.log("Colours of the modes, all on one scale: displacement from the mean along its normal; red " +
+             shortNumber(range) + " outwards, white 0, blue " + shortNumber(range) +
+             " inwards, in the mesh's unit; also stored as vertex quality");
+}
+
+class ShapeModelFilter : public host::Filter {
+ public:
+  host::FilterDescription describe() const override {
+    return {
+        "Build statistical shape model", "compute_statistical_shape_model",
+        "Builds a point distribution model of all visible landmark layers, which \"Remesh by icosphere\" makes: the "
+        "shapes are aligned by generalised Procrustes analysis, their average is the mean shape, and a principal "
+        "component analysis gives the modes in which they vary, with the variance of each (divisor: number of shapes - "
+        "1). New layers show the mean and the ends of the first modes, \"mode 1 -3 sd\" and \"mode 1 +3 sd\", coloured "
+        "by displacement from the mean along its normal: red outwards, blue inwards, white none; the log says how "
+        "far. The frame is that of the first shape, the size the average one. Run again, the filter replaces the "
+        "layers that it made. Identical shapes give a model without modes.<br><br>"
+        "<b>Export file</b>, by its ending: .npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, "
+        "faces "
+        "F x 3), .json (scalismo, statismo), .particles (ShapeWorks: the mean, and one file per shape beside it), .ply "
+        "(the mean, with modes as vertex properties), .csv (the scores).<br><br>"
+        "Returned, entry m - 1 for m modes: <b>eigenvalues</b>: variance along mode m; <b>compactness</b>: sum of the "
+        "first m eigenvalues; <b>variance_share</b>: the same as a share of all variance; <b>generalisation</b>: mean "
+        "distance between a shape and its best approximation by m modes of the model of all others; "
+        "<b>specificity</b>: mean distance of random shapes of the model from the nearest training shape; "
+        "<b>generalisation_error</b>, <b>specificity_error</b>: their standard errors. A distance is the root mean "
+        "square over the landmarks, in the mesh's unit. <b>scores</b>: of every shape along the modes, row by row "
+        "(reshape to shapes x modes); <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how many; "
+        "<b>seconds</b>.<br><br>" +
+            paperReference() +
+            "<i>Timothy F. Cootes, Christopher J. Taylor, David H. Cooper and Jim Graham</i><br>"
+            "<b>\"Active shape models: their training and application\"</b><br>"
+            "Computer Vision and Image Understanding 61(1), 1995.<br>"
+            "<i>Martin A. Styner, Kumar T. Rajamani, Lutz-Peter Nolte, Gabriel Zsemlye, G&aacute;bor Sz&eacute;kely, "
+            "Christopher J. Taylor and Rhodri H. Davies</i><br>"
+            "<b>\"Evaluation of 3D correspondence methods for model building\"</b><br>"
+            "Information Processing in Medical Imaging, 2003.",
+        host::Menu::Layer | host::Menu::Measure, host::Arity::VisibleLayers};
+  }
+
+  std::vector<host::Parameter> parameters(const host::Layers&) const override {
+    const ModelMeasureParameters measures;
+    return {
+        {"alignment", "Alignment",
+         "What is taken out of the shapes before they are compared. Similarity: pose and size. Rigid: pose. None: "
+         "nothing.",
+         host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}},
+        {"modes", "Modes", "How many modes are kept; 0: all, which are at most one less than the shapes.", 0},
+        {"standard_deviations", "Standard deviations",
+         "How far from the mean the layers of a mode lie, in standard deviations of that mode; above 0.", 3.0},
+        {"mode_layers", "Modes shown", "Number of modes that get two layers each; 0: only the mean is shown.", 3},
+        {"export_file", "Export file",
+         "Where the model is written to; empty: nowhere. The ending chooses the format: " + modelFileEndings() + ".",
+         host::Parameter::NewFile{
+             "NumPy (*.npz);;scalismo, statismo (*.json);;ShapeWorks (*.particles);;Mean and modes "
+             "(*.ply);;Table of scores (*.csv)"}},
+        host::Parameter{"area_weights", "Weigh by area",
+                        "Alignment: each landmark weighs the area around it on the mean shape, so that dense regions "
+                        "do not count more. The modes are not weighted.",
+                        false}
+            .asAdvanced(),
+        host::Parameter{"specificity_samples", "Specificity samples",
+                        "Number of random shapes that the specificity is measured with, 1 to 1000000.",
+                        measures.samples}
+            .asAdvanced(),
+        host::Parameter{"seed", "Seed", "Of the random shapes; 0 or more.", static_cast<int>(measures.seed)}
+            .asAdvanced()};
+  }
+
+  host::Outputs run(host::Task& task) const override {
+    const Stopwatch stopwatch;
+    const int modesWanted = task.values.integer("modes");
+    if (modesWanted < 0)
+      throw ParameterError("The number of modes must be 0 (all) or more; it is " + std::to_string(modesWanted) + ".");
+    const double deviations = task.values.real("standard_deviations");
+    if (!(deviations > 0) || !std::isfinite(deviations))
+      throw ParameterError("The standard deviations must be above 0; they are " + shortNumber(deviations) + ".");
+    const int modeLayers = task.values.integer("mode_layers");
+    if (modeLayers < 0)
+      throw ParameterError("The number of modes shown must be 0 or more; it is " + std::to_string(modeLayers) + ".");
+    ModelMeasureParameters measureParameters;
+    measureParameters.samples = task.values.integer("specificity_samples");
+    const int seed = task.values.integer("seed");
+    if (seed < 0) throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
+    measureParameters.seed = static_cast<unsigned>(seed);
+    ProcrustesParameters procrustes;
+    procrustes.alignment = static_cast<Alignment>(task.values.choice("alignment"));
+    procrustes.areaWeights = task.values.flag("area_weights");
+    const std::string file = task.values.newFile("export_file");
+    if (!file.empty()) requireExportable(file);
+
+    const TrainingSet given = trainingSet(task);
+    report(task.progress, 0.1);
+    const Aligned aligned = alignShapes(given, procrustes);
+    report(task.progress, 0.3);
+    const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon());
+    report(task.progress, 0.5);
+    const ShapeModel model = modesWanted > 0 ? all.truncated(modesWanted) : all;
+    const ModelMeasures measures =
+        measureModel(all, model.modeCount(), measureParameters, part(task.progress, 0.5, 0.9));
+
+    const Eigen::Index modes = model.modeCount();
+    task.log(counted(given.shapeCount(), "shape", "shapes") + " of " +
+             counted(given.landmarkCount(), "landmark", "landmarks") +
+             (procrustes.alignment == Alignment::None
+                  ? std::string(", not aligned")
+                  : ", aligned in " + counted(aligned.iterations, "round", "rounds")) +
+             ": " + counted(modes, "mode", "modes"));
+    if (!aligned.converged)
+      task.log("The alignment still moved after " + counted(aligned.iterations, "round", "rounds") + ".");
+    if (all.modeCount() == 0) task.log("All shapes are identical once aligned: there is no variance and no mode.");
+    if (modesWanted > modes) task.log("There are no more than " + counted(modes, "mode", "modes") + ".");
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(modes, std::max(modeLayers, 3)); ++m)
+      task.log("mode " + std::to_string(m + 1) + ": standard deviation " +
+               shortNumber(std::sqrt(model.eigenvalues[m] / static_cast<double>(given.landmarkCount()))) +
+               " per landmark, " + percent(model.eigenvalues[m] / model.totalVariance) + " of the variance, " +
+               percent(measures.compactness[m] / model.totalVariance) + " with those before; generalisation " +
+               shortNumber(measures.generalisation[m]) + ", specificity " + shortNumber(measures.specificity[m]));
+    addLayers(task, model, std::min<Eigen::Index>(modes, modeLayers), deviations);
+    if (!file.empty()) {  // last of what can fail
+      const std::vector<std::string> written = exportModel(file, model, aligned.shapes);
+      task.log("written: " + written.front() +
+               (written.size() > 1 ? ", and " + written[1] + " to " + written.back() : std::string()));
+    }
+
+    host::Outputs outputs;
+    outputs["eigenvalues"] = model.eigenvalues;
+    outputs["compactness"] = measures.compactness;
+    outputs["variance_share"] = Eigen::VectorXd(measures.compactness / std::max(model.totalVariance, 1e-300));
+    outputs["generalisation"] = measures.generalisation;
+    outputs["generalisation_error"] = measures.generalisationError;
+    outputs["specificity"] = measures.specificity;
+    outputs["specificity_error"] = measures.specificityError;
+    const Eigen::MatrixXd byShape = model.scores.transpose();  // columns lie in memory one after the other
+    outputs["scores"] = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(byShape.data(), byShape.size()));
+    outputs["shapes"] = static_cast<int>(given.shapeCount());
+    outputs["modes"] = static_cast<int>(modes);
+    outputs["landmarks"] = static_cast<int>(given.landmarkCount());
+    outputs["seconds"] = stopwatch.seconds();
+    return outputs;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<host::Filter> makeShapeModelFilter() { return std::make_unique<ShapeModelFilter>(); }
+
+}  // namespace sphere_propagation
