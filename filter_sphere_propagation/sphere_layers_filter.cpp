@@ -1,6 +1,7 @@
 // "Show parameterisation as sphere layers": the maps, to be looked at.
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,17 @@
 
 namespace sphere_propagation {
 namespace {
+
+/// The rotation of the sphere that shows the same side as the surface: the best one from the map to directions from
+/// the centre.
+Eigen::Matrix3d sameSide(const MappedLayer& mapped) {
+  const Points& vertices = mapped.mesh.surface.vertices();
+  const Points directions = vertices.rowwise() - vertices.colwise().mean();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(directions.transpose() * mapped.map.positions(),
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vector3 signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
 
 /// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab looks along -z, y
 /// upwards), in layer order, each of its surface's area.
@@ -30,7 +42,7 @@ std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers
   for (size_t i = 0; i < layers.size(); ++i) {
     const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-    matrix.diagonal().head<3>().setConstant(radii[i]);
+    matrix.topLeftCorner<3, 3>() = radii[i] * sameSide(layers[i]);
     matrix.topRightCorner<3, 1>() << all.max().x() + (column + 0.5) * step + 0.25 * radius,
         all.center().y() + (0.5 * static_cast<double>(rows - 1) - row) * step, all.center().z();
     places.push_back(matrix);
@@ -55,7 +67,8 @@ class SphereLayersFilter : public host::Filter {
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     return {{"beside_surfaces", "Beside the surfaces",
-             "Show the spheres to the right of the surfaces, each as large as its surface (by area), through the "
+             "Show the spheres to the right of the surfaces, each as large as its surface (by area) and turned to show "
+             "the same side, through the "
              "layer's matrix: the vertices stay on the unit sphere. Otherwise the matrix is the identity.",
              false}};
   }

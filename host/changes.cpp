@@ -172,9 +172,8 @@ int Changes::commit() {
     mesh->setMeshModified();
     if (first && (firstBecomesCurrent_ || document_.mm() == nullptr)) document_.setCurrentMesh(mesh->id());
     first = false;
-    // The GUI takes these for new geometry also where the number of vertices stayed the same.
-    changed |= MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL |
-               MeshModel::MM_FACEVERT;
+    // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers stayed the same.
+    if (change.replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
   }
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
   for (const int id : removedIds_) removeLayer(document_, id);

@@ -257,8 +257,11 @@ def test_spheres_beside_the_surfaces():
     for surface, sphere in zip(surfaces_of(ms), spheres(ms)):
         assert np.array_equal(sphere.vertex_matrix(), positions(surface))  # on the unit sphere: the matrix alone shows it elsewhere
         matrix = sphere.transform_matrix()
-        radius = matrix[0, 0]
-        assert np.allclose(matrix[:3, :3], radius * np.eye(3))
+        radius = np.linalg.det(matrix[:3, :3]) ** (1 / 3)
+        assert np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, radius**2 * np.eye(3))
+        seen, around = surface.vertex_matrix() - surface.vertex_matrix().mean(0), sphere.vertex_matrix() @ matrix[:3, :3].T
+        cosine = (seen * around).sum(1) / np.linalg.norm(seen, axis=1) / radius
+        assert np.median(cosine) > 0.8  # the same side is in front
         area = areas(surface.vertex_matrix(), surface.face_matrix()).sum()
         assert 4 * np.pi * radius**2 == pytest.approx(area, rel=1e-6)
         assert matrix[0, 3] - radius > right
