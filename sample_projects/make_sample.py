@@ -1,21 +1,37 @@
-"""Writes the sample: five phases of a small beating ventricle with maps, landmarks and colours. Run by scripts/make-sample."""
+"""Writes the sample: five phases of a small beating ventricle, as they come from a segmentation and as they end. Run by
+scripts/make-sample."""
 import dataclasses
 import shutil
 import sys
 from pathlib import Path
 
 import sphere_propagation as sp
+from sphere_propagation.files import write_ply
+from sphere_propagation.project_file import ProjectLayer, write_project
 from sphere_propagation.results import LIST
-from sphere_propagation.views import Row
+from sphere_propagation.views import Row, upright
 
-surfaces = sp.make_phantom(phases=5, voxel_size=4.0)
-surfaces = [dataclasses.replace(surface, name=f"ventricle {i}") for i, surface in enumerate(surfaces)]
+surfaces = sp.make_phantom(phases=5, voxel_size=3.5)
+# Upright and towards the camera, as MeshLab looks at it; all by the same rotation.
+rotation = upright(surfaces[0].vertices, (0, 0, 1))
+surfaces = [dataclasses.replace(surface, name=f"ventricle {i}", vertices=surface.vertices @ rotation.T) for i, surface in enumerate(surfaces)]
 result = sp.correspond(surfaces, root=0, order="Cyclic time", frequency=5)
+
+# To work on: surfaces, nothing else.
 folder = Path(sys.argv[1]) / "ventricle"
 shutil.rmtree(folder, ignore_errors=True)
-sp.write_layers(folder.parent, "ventricle", Row("ventricle", result, unit="mm", up=(0, 0, 1)))
-# Small: the root's sphere is enough, and the project to look at.
-for path in sorted((folder / "spheres").glob("*.ply"))[1:]:
+(folder / "surfaces").mkdir(parents=True)
+layers = []
+for surface in surfaces:
+    path = folder / "surfaces" / (surface.name.replace(" ", "_") + ".ply")
+    write_ply(path, surface.vertices, surface.faces)
+    layers.append(ProjectLayer(surface.name, path))
+write_project(folder / "ventricle.mlp", layers)
+
+# To look at: what the filters make of it, side by side.
+sp.write_layers(folder, "finished", Row("finished", result, unit="mm", up=rotation @ (0, 0, 1)))
+made = folder / "finished"
+(made / "finished_overview.mlp").replace(made / "finished.mlp")
+(made / LIST).unlink()
+for path in sorted((made / "spheres").glob("*.ply"))[1:]:  # the root's tells enough
     path.unlink()
-(folder / "ventricle_overview.mlp").replace(folder / "ventricle.mlp")
-(folder / LIST).unlink()
