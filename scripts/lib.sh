@@ -1,8 +1,9 @@
 # Set-up shared by the scripts in this folder; source it under `set -euo pipefail`.
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
-#   packages_for PURPOSE...        their names: build core plugin volumes benchmarks python pymeshlab pictures lint
+#   packages_for PURPOSE...        their names: build core plugin volumes gui benchmarks python pymeshlab pictures lint
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
+#   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
 #   require_python [PURPOSE]       sets PYTHON, the interpreter of an environment with requirements.txt (or
 #                                  requirements-PURPOSE.txt) installed from a wheelhouse, which sets WHEELHOUSE
 #   build_preset PRESET [TARGET..] configures where needed, builds; needs the two first
@@ -55,6 +56,7 @@ packages_for() {
       core)       echo libeigen3-dev libnanoflann-dev libboost-dev libgtest-dev ;;
       plugin)     echo libqt5opengl5-dev libglew-dev ;;
       volumes)    if has_volumes; then echo libinsighttoolkit5-dev; fi ;;
+      gui)        echo xvfb libgl1-mesa-dri ;;
       benchmarks) echo libbenchmark-dev ;;
       python)     if ! have_usable_python; then echo python3-venv; fi ;;
       pymeshlab)  echo libgl1 libopengl0 ;;
@@ -258,6 +260,48 @@ clone_headers() {
   found=$(git -C "$to" rev-parse HEAD)
   [ "$found" = "$commit" ] || say "note: the tag $tag is $found now, not $commit as it was; using it"
   rm -rf "$to/.git"
+}
+
+# ---------------------------------------------------------------- MeshLab's GUI
+
+# No package has MeshLab 2025.07 for Debian 12: it is built from the same source as the headers, with the plugins named here only.
+gui_plugins="io_base filter_create filter_colorproc decorate_base"
+
+require_meshlab_gui() {
+  MESHLAB_GUI=$cache_dir/meshlab-gui-2025.07/meshlab
+  [ -x "$MESHLAB_GUI" ] || with_lock build_meshlab_gui
+}
+
+build_meshlab_gui() {
+  [ ! -x "$MESHLAB_GUI" ] || return 0 # another process was quicker
+  local dir=${MESHLAB_GUI%/*} work=${MESHLAB_GUI%/*}.part log=$cache_dir/logs/meshlab-gui.log plugin list=
+  [ -f "$work/source/src/meshlab/main.cpp" ] || fetch_gui_source "$work/source"
+  say "Building MeshLab 2025.07's GUI (once; about 9 minutes of one core)"
+  for plugin in $gui_plugins; do list+=${list:+;}meshlabplugins/$plugin; done
+  # Libraries are looked for beside the program, so it can be moved into place when it is finished; a build that was stopped goes on.
+  logged "$log" cmake -S "$work/source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_BUILD_RPATH_USE_ORIGIN=ON \
+    -DMESHLAB_BUILD_MINI=ON -DMESHLAB_ALLOW_OPTIONAL_EXTERNAL_LIBRARIES=OFF -DMESHLAB_PLUGINS="$list" ||
+    die "CMake could not configure MeshLab"
+  logged "$log" cmake --build "$work/build" --target meshlab copy-distrib-files $gui_plugins || die "the build of MeshLab failed"
+  rm -rf "$dir"
+  mv -T "$work/build/src/distrib" "$dir"
+  rm -rf "$work"
+}
+
+fetch_gui_source() { # FOLDER
+  meshlab_release 2025.07
+  make_scratch
+  mkdir "$scratch/source"
+  if require_tarball 2025.07; then
+    tar -xf "$tarball" -C "$scratch/source" --strip-components=1 || die "$tarball could not be unpacked: remove it and try again"
+  else
+    clone_headers || die "Could not get the source of MeshLab 2025.07"
+    mv -T "$scratch/headers" "$scratch/source"
+  fi
+  mkdir -p "${1%/*}"
+  rm -rf "$1"
+  mv -T "$scratch/source" "$1"
+  drop_scratch
 }
 
 # ---------------------------------------------------------------- Python

@@ -16,7 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
-PATIENCE = 300  # seconds until something is given up; nothing is asserted about time
+PATIENCE = int(os.environ.get("GUI_PATIENCE", 300))  # seconds until something is given up; nothing is asserted about time
 
 # What keeps the first-run dialogs and the network calls of both versions away.
 SETTINGS = """[General]
@@ -191,6 +191,19 @@ class MeshLab:
     def click(self, text, **more):
         self.ask("click", **{"class": "QAbstractButton", "text": text, **more})
 
+    def fill_screen(self):
+        """Makes the window as large as the screen; there is no window manager to do it."""
+        self.ask("fill screen")
+
+    def choose_layer(self, label):
+        """Makes a layer the current one, in the layer dialog."""
+        self.ask("click cell", text=label)
+
+    def close_dialog(self):
+        """Presses Close in the filter's dialog."""
+        self.click("Close")
+        until(lambda: not any(w["text"] == "Apply" for w in self.widgets()), "the dialog to close")
+
     def open_filter(self, name):
         """Chooses a filter in the menu and waits for its dialog."""
         self.trigger(name)
@@ -229,8 +242,15 @@ class MeshLab:
         self.open_filter(name)
         for label, value in fields.items():
             self.set(label.replace("_", " "), value)
+        return self._finished(self.start)
+
+    def run(self, name):
+        """The same for a filter without parameters, which has no dialog."""
+        return self._finished(lambda: self.trigger(name))
+
+    def _finished(self, start):
         before = self.log()
-        self.start()
+        start()
         message = self.wait_for_end(before)
         if message:
             raise GuiError(message)
@@ -248,11 +268,13 @@ class MeshLab:
         until(lambda: Path(path).exists() and not self._dialogs(), f"{path} to be written")
 
     def _dialogs(self):
-        return [w for w in self.widgets() if "Dialog" in w["class"] and w["class"] not in ("LayerDialog", "MeshlabStdDialog")]
+        return [w for w in self.widgets() if "Dialog" in w["class"] and w["class"] not in ("LayerDialog", "MeshlabStdDialog", "FilterDockDialog")]
 
     def _answer_dialogs(self, path):
         def asked():
             try:
+                if any(w["class"] == "QCheckBox" and w["text"] == "Save All Files" for w in self.widgets()):
+                    self.ask("set", **{"class": "QCheckBox", "text": "Save All Files", "value": True})
                 self.ask("choose file", file=str(path))
             except GuiError:
                 return False

@@ -132,13 +132,29 @@ QWidget* fieldOf(const QString& label) {
   return nullptr;
 }
 
-void click(QWidget* widget) {
-  const QPoint centre = widget->rect().center();
-  const QPoint global = widget->mapToGlobal(centre);
+void clickAt(QWidget* widget, const QPoint& at) {
+  const QPoint global = widget->mapToGlobal(at);
   for (const QEvent::Type type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
     const Qt::MouseButtons held = type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton;
-    QApplication::postEvent(widget, new QMouseEvent(type, centre, global, Qt::LeftButton, held, Qt::NoModifier));
+    QApplication::postEvent(widget, new QMouseEvent(type, at, global, Qt::LeftButton, held, Qt::NoModifier));
   }
+}
+
+void click(QWidget* widget) { clickAt(widget, widget->rect().center()); }
+
+/// The cell of a list of rows that shows this text.
+bool clickCell(const QString& text) {
+  for (QWidget* widget : visibleWidgets())
+    if (auto* tree = qobject_cast<QTreeWidget*>(widget))
+      for (int i = 0; i < tree->topLevelItemCount(); ++i)
+        for (int column = 0; column < tree->columnCount(); ++column) {
+          QTreeWidgetItem* item = tree->topLevelItem(i);
+          if (item->text(column) != text) continue;
+          tree->scrollToItem(item);
+          clickAt(tree->viewport(), tree->visualRect(tree->model()->index(i, column)).center());
+          return true;
+        }
+  return false;
 }
 
 QJsonObject set(QWidget* widget, const QJsonValue& value) {
@@ -192,6 +208,11 @@ QJsonObject answer(const QJsonObject& command) {
     const bool saved = QApplication::primaryScreen()->grabWindow(0).save(command["file"].toString());
     return saved ? QJsonObject{} : QJsonObject{{"error", "the picture could not be written"}};
   }
+  if (what == "fill screen") {
+    for (QWidget* widget : QApplication::topLevelWidgets())
+      if (widget->inherits("QMainWindow")) widget->setGeometry(QApplication::primaryScreen()->geometry());
+    return {};
+  }
   if (what == "trigger") {
     QAction* action = findAction(command["text"].toString());
     if (action == nullptr) return {{"error", "no such action"}};
@@ -209,6 +230,8 @@ QJsonObject answer(const QJsonObject& command) {
       }
     return {{"error", "no file dialog is open"}};
   }
+  if (what == "click cell")
+    return clickCell(command["text"].toString()) ? QJsonObject{} : QJsonObject{{"error", "no such cell"}};
   if (what == "click" || what == "set") {
     QWidget* widget = command.contains("label") ? fieldOf(command["label"].toString()) : findWidget(command);
     if (widget == nullptr) return {{"error", "no such widget"}};

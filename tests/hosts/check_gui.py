@@ -1,0 +1,215 @@
+"""The plugin in MeshLab 2025.07's GUI, checked by what it leaves behind: the project that is saved from there and read by PyMeshLab.
+scripts/check-gui builds what this needs and names it:
+
+    MESHLAB_GUI    the program         GUI_PLUGIN     the plugin built for it
+    GUI_AGENT      libgui_agent.so     GUI_PICTURES   where pictures go
+    SPHERE_PROPAGATION_PLUGIN          the plugin for PyMeshLab, which checks
+"""
+import os
+import shutil
+import time
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from gui import GuiError, MeshLab, until
+
+SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
+PICTURES = Path(os.environ["GUI_PICTURES"])
+FILTERS = {  # menu entry -> menus that show it
+    "Beating ventricle phantom": {"Create New Mesh Layer"},
+    "Spherical parameterise root": {"Remeshing, Simplification and Reconstruction", "Mesh Layer"},
+    "Propagate parameterisation to layers": {"Remeshing, Simplification and Reconstruction", "Mesh Layer"},
+    "Remesh by icosphere": {"Remeshing, Simplification and Reconstruction"},
+    "Evaluate spherical parameterisation": {"Quality Measure and Computations"},
+    "Show parameterisation as sphere layers": {"Mesh Layer"},
+    "Colour by spherical parameterisation": {"Color Creation and Processing", "Quality Measure and Computations"},
+}
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR = list(FILTERS)[1:]
+PHASES = [f"ventricle {i}" for i in range(5)]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def plugin():
+    pymeshlab.load_plugin(os.environ["SPHERE_PROPAGATION_PLUGIN"])
+
+
+@pytest.fixture
+def start(tmp_path):
+    """start(file...): MeshLab with these files, in a home that holds the plugin where a user puts it."""
+    def started(*files):
+        home = tmp_path / "home"
+        folder = home / "data/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07"
+        folder.mkdir(parents=True)
+        shutil.copy(os.environ["GUI_PLUGIN"], folder)
+        return MeshLab(os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES)
+    return started
+
+
+@pytest.fixture
+def sample(tmp_path):
+    """A copy of the sample project, so that the original stays as it is."""
+    shutil.copytree(SAMPLE, tmp_path / "sample")
+    return tmp_path / "sample/ventricle.mlp"
+
+
+def labels(gui):
+    return [label.replace(" *", "") for label in gui.layers()]  # the star says that a layer is not saved
+
+
+def show(gui, name):
+    """A picture of everything."""
+    gui.trigger("Reset Trackball")
+    time.sleep(1)  # it is drawn in the next frame
+    gui.picture(name)
+
+
+def saved(gui, path):
+    """The project as PyMeshLab reads it after it was saved from the GUI: {label: layer}."""
+    gui.save_project(path)
+    ms = pymeshlab.MeshSet()
+    ms.load_project(str(path))
+    return ms, {m.label(): m for m in ms}
+
+
+def certified(ms):
+    figures = ms.apply_filter("get_spherical_parameterisation_measures")
+    return len(figures["valid"]) if figures["valid"].all() and not figures["flipped_faces"].any() else 0
+
+
+def test_every_filter_is_in_its_menus(start, sample):
+    with start(sample) as gui:
+        found = {}
+        for entry in gui.menus():
+            if entry["text"] in FILTERS:
+                assert entry["enabled"], entry
+                found.setdefault(entry["text"], set()).add(entry["menu"])
+        assert set(found) == set(FILTERS)
+        assert {name: menus & found[name] for name, menus in FILTERS.items()} == FILTERS
+
+
+def test_the_main_job(start, sample):
+    """Root, propagation, landmarks, spheres and colours from the menu; the saved project holds them all."""
+    with start(sample) as gui:
+        assert labels(gui) == PHASES
+        gui.fill_screen()
+        gui.picture("1-opened")
+        gui.choose_layer("ventricle 0")
+        gui.open_filter(ROOT)
+        gui.picture("2-root-dialog")
+        assert "0 flipped faces" in gui.apply(ROOT)
+        gui.open_filter(PROPAGATE)
+        gui.picture("3-propagation-dialog")
+        assert gui.apply(PROPAGATE, Order="Cyclic time").count("0 flipped faces") == 5
+        gui.apply(SPHERES, Beside_the_surfaces=True)
+        assert labels(gui) == PHASES + [p + " sphere" for p in PHASES]
+        gui.open_filter(COLOR)
+        gui.picture("4-colour-dialog")
+        for name, pattern in (("5-checkerboard", "Checkerboard"), ("6-graticule", "Latitude and longitude"),
+                              ("7-direction", "Direction"), ("8-area-ratio", "Area ratio")):
+            assert "10 layers coloured" in gui.apply(COLOR, Pattern=pattern, Cells="6")
+            gui.close_dialog()
+            show(gui, name)
+        gui.apply(REMESH, Frequency="5")
+        assert labels(gui) == PHASES + [p + " sphere" for p in PHASES] + [p + " landmarks" for p in PHASES]
+        assert "15 layers coloured" in gui.apply(COLOR, Pattern="Area ratio")
+        assert gui.run(EVALUATE).count("0 flipped faces") == 5
+        ms, layers = saved(gui, sample.parent / "result.mlp")
+    assert certified(ms) == 5
+    faces = layers["ventricle 0 landmarks"].face_matrix()
+    for phase in PHASES:
+        surface, landmarks, sphere = layers[phase], layers[phase + " landmarks"], layers[phase + " sphere"]
+        assert surface.has_vertex_tex_coord()
+        assert landmarks.vertex_number() == 252 and np.array_equal(landmarks.face_matrix(), faces)
+        assert np.abs(np.linalg.norm(sphere.vertex_matrix(), axis=1) - 1).max() < 1e-6
+        assert np.array_equal(sphere.face_matrix(), surface.face_matrix())
+        assert np.array_equal(sphere.vertex_color_matrix(), surface.vertex_color_matrix())
+        assert np.ptp(landmarks.vertex_color_matrix()[:, :3], axis=0).max() > 0.01
+        ratio = surface.face_scalar_array()
+        assert 0 < ratio.min() and ratio.max() < 20 and ratio.std() > 0
+    assert layers["ventricle 2"].face_scalar_array().std() > 2 * layers["ventricle 0"].face_scalar_array().std()  # the root's is the least
+
+
+def test_the_finished_sample_opens(start):
+    with start(SAMPLE / "finished/finished.mlp") as gui:
+        assert labels(gui) == PHASES + [p + " landmarks" for p in PHASES] + ["ventricle 0 sphere"]
+        gui.fill_screen()
+        show(gui, "9-finished")
+        assert gui.run(EVALUATE).count("0 flipped faces") == 5
+
+
+def test_the_dialogs_name_the_largest_layer(start):
+    surfaces = [SAMPLE / f"surfaces/ventricle_{i}.ply" for i in (0, 2)]
+    with start(*surfaces) as gui:  # the last one opened is the current one
+        gui.open_filter(ROOT)
+        gui.picture("10-root-smaller")
+        labels = [w["text"] for w in gui.widgets()]
+        assert any('"ventricle_0.ply" is the largest' in text for text in labels), labels
+        assert '"ventricle_0.ply" is the largest' in gui.apply(ROOT)
+
+
+def test_a_second_click_while_a_filter_runs(start, sample):
+    with start(sample) as gui:
+        gui.choose_layer("ventricle 0")
+        gui.apply(ROOT)
+        gui.open_filter(PROPAGATE)
+        before = gui.log()
+        gui.start()
+        for _ in range(5):
+            try:
+                gui.start()
+            except GuiError:  # the button is not there for a moment
+                pass
+        assert gui.wait_for_end(before) is None
+        until(lambda: gui.ask("lists"), "an answer")
+        ms, _ = saved(gui, sample.parent / "result.mlp")
+    assert certified(ms) == 5
+
+
+def test_an_error_is_shown_and_nothing_is_lost(start, sample, tmp_path):
+    surface = pymeshlab.MeshSet()
+    surface.load_new_mesh(str(SAMPLE / "surfaces/ventricle_0.ply"))
+    whole = surface.current_mesh()
+    opened = pymeshlab.MeshSet()
+    opened.add_mesh(pymeshlab.Mesh(whole.vertex_matrix(), whole.face_matrix()[:-1]), "open")
+    opened.save_current_mesh(str(tmp_path / "open.ply"))
+    with start(SAMPLE / "surfaces/ventricle_1.ply", tmp_path / "open.ply") as gui:
+        gui.open_filter(ROOT)
+        before = gui.log()
+        gui.start()
+        message = gui.wait_for_end(before)
+        gui.picture("11-error")
+        assert '"open.ply"' in message and "not closed" in message
+        gui.close_message()
+        assert gui.alive() and labels(gui) == ["ventricle_1", "open"]
+        gui.choose_layer("ventricle_1")
+        assert "0 flipped faces" in gui.apply(ROOT)
+
+
+def test_hidden_and_moved_layers(start, sample):
+    """A hidden layer is left alone; a layer that its matrix moves is taken where it is seen."""
+    project = xml.parse(sample)
+    meshes = project.getroot().findall(".//MLMesh")
+    meshes[1].set("visible", "0")
+    meshes[2].find("MLMatrix44").text = "\n0 -1 0 0 \n1 0 0 0 \n0 0 1 0 \n0 0 0 1 \n"
+    path = sample.parent / "surfaces/ventricle_2.ply"
+    turned = pymeshlab.MeshSet()
+    turned.load_new_mesh(str(path))  # the file is turned back, so that the matrix brings it to its place
+    mesh = turned.current_mesh()
+    v = mesh.vertex_matrix() @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
+    turned.add_mesh(pymeshlab.Mesh(v, mesh.face_matrix()), "turned")
+    turned.save_current_mesh(str(path))
+    project.write(sample)
+    with start(sample) as gui:
+        gui.choose_layer("ventricle 0")
+        gui.apply(ROOT)
+        gui.apply(PROPAGATE)
+        gui.apply(REMESH, Frequency="5")
+        ms, layers = saved(gui, sample.parent / "result.mlp")
+    assert not layers["ventricle 1"].has_vertex_tex_coord() and "ventricle 1 landmarks" not in layers
+    assert [k for k in layers if k.endswith("landmarks")] == [f"ventricle {i} landmarks" for i in (0, 2, 3, 4)]
+    moved, neighbour = layers["ventricle 2 landmarks"], layers["ventricle 3 landmarks"]
+    assert np.linalg.norm(moved.vertex_matrix() - neighbour.vertex_matrix(), axis=1).mean() < 6  # mm; a quarter turn is far more
