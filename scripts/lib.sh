@@ -276,7 +276,7 @@ build_meshlab_gui() {
   [ ! -x "$MESHLAB_GUI" ] || return 0 # another process was quicker
   local dir=${MESHLAB_GUI%/*} work=${MESHLAB_GUI%/*}.part log=$cache_dir/logs/meshlab-gui.log plugin list=
   [ -f "$work/source/src/meshlab/main.cpp" ] || fetch_gui_source "$work/source"
-  say "Building MeshLab 2025.07's GUI (once; about 9 minutes of one core)"
+  say "Building MeshLab 2025.07's GUI (once; about 11 minutes of one core)"
   for plugin in $gui_plugins; do list+=${list:+;}meshlabplugins/$plugin; done
   # Libraries are looked for beside the program, so it can be moved into place when it is finished; a build that was stopped goes on.
   logged "$log" cmake -S "$work/source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_BUILD_RPATH_USE_ORIGIN=ON \
