@@ -73,21 +73,53 @@ TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
   }
 }
 
+/// The local columns as they move the nodes: 3 #N by 240.
+Eigen::MatrixXd localColumns(const MotionModel& model) {
+  Eigen::MatrixXd factor(3 * model.nodes().rows(), MotionModel::localColumns);
+  for (int k = 0; k < MotionModel::localColumns; ++k) {
+    const Eigen::MatrixX3d moved = model.movedNodes(unitCoefficient(k)) - model.nodes();
+    factor.col(k) = moved.reshaped<Eigen::RowMajor>();
+  }
+  return factor;
+}
+
+double radiusOf(const MotionModel& model) { return std::sqrt(model.areas().sum() / (4 * 3.14159265358979323846)); }
+
 TEST(MotionModel, LocalColumnsFactorTheKernel) {
   const Ellipsoid e;
   const MotionModel model(e.surface, e.map);
-  Eigen::MatrixXd factor(model.nodes().rows(), MotionModel::kernelColumns);
-  for (int k = 0; k < MotionModel::kernelColumns; ++k)
-    factor.col(k) = (model.movedNodes(unitCoefficient(3 * k)) - model.nodes()).col(0);
-  const double radius = std::sqrt(model.areas().sum() / (4 * 3.14159265358979323846));
-  const double twoSquares = 2 * 0.35 * 0.35 * radius * radius;
+  const Eigen::MatrixXd factor = localColumns(model);
+  const double radius = radiusOf(model);
   double worst = 0;
   for (int i = 0; i < 1002; i += 13)
     for (int j = 0; j < 1002; j += 17) {
-      const double kernel = std::exp(-(model.nodes().row(i) - model.nodes().row(j)).squaredNorm() / twoSquares);
-      worst = std::max(worst, std::fabs(kernel - factor.row(i).dot(factor.row(j))));
+      const Vector3 r = (model.nodes().row(i) - model.nodes().row(j)).transpose() / radius;
+      const Vector3 a = r / 0.5, b = r / 0.4;
+      const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+      const Eigen::Matrix3d curlFree = (one - a * a.transpose()) * std::exp(-a.squaredNorm() / 2);
+      const Eigen::Matrix3d divergenceFree =
+          0.5 * (b * b.transpose() + (2 - b.squaredNorm()) * one) * std::exp(-b.squaredNorm() / 2);
+      const Eigen::Matrix3d kernel = 0.45 * curlFree + 0.55 * divergenceFree;
+      worst = std::max(
+          worst,
+          (kernel - factor.middleRows(3 * i, 3) * factor.middleRows(3 * j, 3).transpose()).cwiseAbs().maxCoeff());
     }
   EXPECT_LT(worst, 0.1);
+}
+
+TEST(MotionModel, LocalColumnsTurnWithTheSurface) {
+  const Ellipsoid e;
+  Points uneven = e.surface.vertices();  // so that no two nodes are pivots alike
+  for (auto x : uneven.rowwise()) x *= 1 + 0.002 * x[0] + 0.003 * x[1] - 0.004 * x[2];
+  const Eigen::Matrix3d rotation = test::randomRotation(3);
+  const ClosedSurface straight(uneven, e.surface.faces(), "straight");
+  const ClosedSurface turned(uneven * rotation.transpose(), e.surface.faces(), "turned");
+  const Eigen::MatrixXd here = localColumns(MotionModel(straight, e.map));
+  const Eigen::MatrixXd there = localColumns(MotionModel(turned, e.map));
+  for (int i = 0; i < 1002; i += 100)
+    for (int k = 0; k < MotionModel::localColumns; k += 3)
+      EXPECT_LT((rotation * here.block<3, 3>(3 * i, k) * rotation.transpose() - there.block<3, 3>(3 * i, k)).norm(),
+                1e-9);
 }
 
 TEST(MotionModel, VerticesMoveWithTheTemplate) {

@@ -1,5 +1,7 @@
 #include "vcg_ext/propagation/motion_model.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "vcg_ext/map/sphere_locator.h"
@@ -9,25 +11,43 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int frequency = 10;          // of the template's icosphere: 1002 nodes
-constexpr double kernelLength = 0.35;  // in R; shorter loses hearts, longer loses walls
+constexpr int frequency = 10;  // of the template's icosphere: 1002 nodes
+// Of the kernel, lengths in R. The curl-free part follows cavities better, the divergence-free one walls; with longer
+// ones walls are lost, with shorter ones hearts.
+constexpr double curlFreeShare = 0.45, curlFreeLength = 0.5, divergenceFreeLength = 0.4;
 
-/// L with L L^T close to the Gaussian kernel: pivoted Cholesky, next the node with the largest unexplained variance x
-/// area.
+/// The covariance of the displacements of two nodes that lie r apart, r in R.
+Eigen::Matrix3d kernel(const Vector3& r) {
+  const Vector3 a = r / curlFreeLength, b = r / divergenceFreeLength;
+  const double wa = curlFreeShare * std::exp(-0.5 * a.squaredNorm());
+  const double wb = 0.5 * (1 - curlFreeShare) * std::exp(-0.5 * b.squaredNorm());
+  return (wa + wb * (2 - b.squaredNorm())) * Eigen::Matrix3d::Identity() - wa * a * a.transpose() +
+         wb * b * b.transpose();
+}
+
+/// L with L L^T close to the kernel of all nodes: pivoted Cholesky by blocks of a node's three coordinates, so that the
+/// columns turn with the nodes. Next is the node with the largest unexplained variance x area.
 template <class Matrix>
-Matrix kernelFactor(const Points& nodes, const Eigen::VectorXd& areas, double length) {
-  Matrix factor = Matrix::Zero(nodes.rows(), Matrix::ColsAtCompileTime);
-  Eigen::VectorXd rest = Eigen::VectorXd::Ones(nodes.rows());
-  for (int k = 0; k < Matrix::ColsAtCompileTime; ++k) {
+Matrix kernelFactor(const Points& nodes, const Eigen::VectorXd& areas, double radius) {
+  const Eigen::Index count = nodes.rows();
+  Matrix factor = Matrix::Zero(3 * count, Matrix::ColsAtCompileTime);
+  Eigen::VectorXd rest = Eigen::VectorXd::Constant(count, 3);
+  Eigen::MatrixX3d block(3 * count, 3);
+  for (int k = 0; k + 3 <= Matrix::ColsAtCompileTime; k += 3) {
     Eigen::Index pivot = 0;
     rest.cwiseProduct(areas).maxCoeff(&pivot);
     if (!(rest[pivot] > 1e-12)) break;  // everything is explained
-    const double root = std::sqrt(rest[pivot]);
-    for (Eigen::Index i = 0; i < nodes.rows(); ++i) {
-      const double kernel = std::exp(-(nodes.row(i) - nodes.row(pivot)).squaredNorm() / (2 * length * length));
-      factor(i, k) = (kernel - factor.row(i).head(k).dot(factor.row(pivot).head(k))) / root;
-    }
-    rest = (rest - factor.col(k).cwiseAbs2()).cwiseMax(0);
+    for (Eigen::Index i = 0; i < count; ++i)
+      block.middleRows<3>(3 * i) = kernel((nodes.row(i) - nodes.row(pivot)).transpose() / radius);
+    block.noalias() -= factor.leftCols(k) * factor.block(3 * pivot, 0, 3, k).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> unexplained(block.middleRows<3>(3 * pivot));
+    const double least = 1e-12 * unexplained.eigenvalues().maxCoeff();
+    const Vector3 inverseRoots =
+        unexplained.eigenvalues().unaryExpr([least](double x) { return x > least ? 1 / std::sqrt(x) : 0.0; });
+    const Eigen::Matrix3d& axes = unexplained.eigenvectors();
+    factor.template middleCols<3>(k).noalias() = block * (axes * inverseRoots.asDiagonal() * axes.transpose());
+    for (Eigen::Index i = 0; i < count; ++i)
+      rest[i] = std::max(rest[i] - factor.template block<3, 3>(3 * i, k).squaredNorm(), 0.0);
   }
   return factor;
 }
@@ -47,7 +67,7 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
   const double radius = std::sqrt(areas_.sum() / (4 * pi));
   meanVertexArea_ = faceAreas(surface.vertices(), surface.faces()).sum() / surface.vertexCount();
 
-  kernel_ = kernelFactor<decltype(kernel_)>(nodes_, areas_, kernelLength * radius);
+  local_ = kernelFactor<decltype(local_)>(nodes_, areas_, radius);
   const Eigen::RowVector3d centre = (areas_.transpose() * nodes_) / areas_.sum();
   arms_ = (nodes_.rowwise() - centre) / radius;
 
@@ -58,8 +78,8 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
 }
 
 void MotionModel::project(int i, const Vector3& m, double* row) const {
-  for (int k = 0; k < kernelColumns; ++k)
-    for (int a = 0; a < 3; ++a) *row++ = kernel_(i, k) * m[a];
+  Eigen::Map<Eigen::Matrix<double, 1, localColumns>>(row).noalias() = m.transpose() * local_.middleRows<3>(3 * i);
+  row += localColumns;
   const Vector3 y = arms_.row(i).transpose();
   for (int a = 0; a < 3; ++a) *row++ = m[a];
   for (int a = 0; a < 3; ++a) *row++ = m[a] * y[a];
@@ -71,8 +91,8 @@ void MotionModel::project(int i, const Vector3& m, double* row) const {
 }
 
 Points MotionModel::displacements(const Eigen::VectorXd& c) const {
-  using Local = Eigen::Map<const Eigen::Matrix<double, kernelColumns, 3, Eigen::RowMajor>>;
-  Points moved = kernel_ * Local(c.data());
+  const Eigen::VectorXd local = local_ * c.head<localColumns>();
+  Points moved = Eigen::Map<const Points>(local.data(), nodes_.rows(), 3);
   const double* a = c.data() + localColumns;
   constexpr double half = 0.70710678118654752440;
   Eigen::Matrix3d linear = Eigen::Vector3d(a[3], a[4], a[5]).asDiagonal();

@@ -3,14 +3,19 @@
 ///
 ///   x_i(c) = X_i + B_i c,   i over the nodes of the template, c the coefficients
 ///
-/// The template is the icosphere through the surface's map. B has local columns, a factor of the Gaussian kernel
-/// exp(-|X_i - X_j|^2 / 2 (0.35 R)^2) for each coordinate, and twelve affine ones: translation, strain, rotation. The
-/// kernel measures straight through space, so both sides of a thin wall move together. All lengths are relative to R,
-/// the radius of the sphere of the template's area: the model has no unit.
+/// The template is the icosphere through the surface's map. B has local columns, a factor of a kernel of vector fields,
+/// and twelve affine ones: translation, strain, rotation. The kernel is a sum of two, for r = X_i - X_j:
+///   share       (1 - r r^T / l^2) exp(-|r|^2 / 2 l^2)                          l = 0.5 R: fields without curl
+///   1 - share   (r r^T / l^2 + (2 - |r|^2 / l^2) 1) / 2  exp(-|r|^2 / 2 l^2)   l = 0.4 R: fields without divergence
+/// Tissue that contracts hardly turns in itself and hardly changes its volume; a kernel that treats coordinates one by
+/// one knows neither. It measures straight through space, so both sides of a thin wall move together. All lengths are
+/// relative to R, the radius of the sphere of the template's area: the model has no unit.
 ///
-/// M. Luethi, T. Gerig, C. Jud, T. Vetter, Gaussian process morphable models, 2018; the columns by pivoted Cholesky
-/// decomposition: H. Harbrecht, M. Peters, R. Schneider, On the low-rank approximation by the pivoted Cholesky
-/// decomposition, 2012.
+/// M. Luethi, T. Gerig, C. Jud, T. Vetter, Gaussian process morphable models, 2018; the kernels: F. J. Narcowich,
+/// J. D. Ward, Generalized Hermite interpolation via matrix-valued conditionally positive definite functions, 1994; for
+/// shapes: M. Micheli, J. A. Glaunes, Matrix-valued kernels for shape deformation analysis, 2014; the columns by
+/// pivoted Cholesky decomposition: H. Harbrecht, M. Peters, R. Schneider, On the low-rank approximation by the pivoted
+/// Cholesky decomposition, 2012.
 
 #include <Eigen/Core>
 #include <vector>
@@ -23,8 +28,8 @@ namespace sphere_propagation {
 
 class MotionModel {
  public:
-  static constexpr int kernelColumns = 80;
-  static constexpr int localColumns = 3 * kernelColumns;
+  static constexpr int pivots = 80;  ///< nodes that the kernel is factored from
+  static constexpr int localColumns = 3 * pivots;
   /// Columns of translation, strain and rotation, in this order behind the local ones.
   static constexpr int translationColumns = 3, strainColumns = 6, rotationColumns = 3;
   static constexpr int affineColumns = translationColumns + strainColumns + rotationColumns;
@@ -53,10 +58,9 @@ class MotionModel {
   Triangles faces_;
   Eigen::VectorXd areas_;
   double meanVertexArea_ = 0;
-  Eigen::Matrix<double, Eigen::Dynamic, kernelColumns, Eigen::RowMajor>
-      kernel_;                      // #N by 80, one factor for all coordinates
-  Points arms_;                     // (X - centre) / R, #N by 3
-  Points vertices_;                 // of the surface
+  Eigen::Matrix<double, Eigen::Dynamic, localColumns, Eigen::RowMajor> local_;  // 3 #N by 240, x y z of each node
+  Points arms_;                                                                 // (X - centre) / R, #N by 3
+  Points vertices_;                                                             // of the surface
   std::vector<SurfacePoint> site_;  // where each vertex lies in the template
 };
 
