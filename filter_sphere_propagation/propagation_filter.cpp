@@ -187,10 +187,19 @@ class PropagationFilter : public host::Filter {
       text = "the motion fit lost it, so the map comes from its parent, aligned";
     if (propagated.route == Route::Published)
       text = "the motion fit lost it and alignment gave no map, so the map comes from its parent, as published";
+    if (propagated.pose.moved)
+      text +=
+          (text.empty() ? "" : "; ") + std::string("it lies in another pose and was laid on its parent for the fit (") +
+          shortNumber(propagated.pose.shift) + " away, turned by " + shortNumber(propagated.pose.angle) + " degrees)";
+    if (propagated.pose.mirrored)
+      text +=
+          (text.empty() ? "" : "; ") + std::string(
+                                           "its mirror image fits its parent far better: is it a left one "
+                                           "among right ones? Mirror it first (\"Transform: Flip and/or swap axis\")");
     const double edges = propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
     if (edges > mostResidualInEdges)
       text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
-              " edge lengths off on average, so it may be another shape, in another pose or in another unit";
+              " edge lengths off on average, so it may be another shape or in another unit";
     return text.empty() ? text : "Warning: " + layer.label() + ": " + text + ".";
   }
 

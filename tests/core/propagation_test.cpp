@@ -118,8 +118,7 @@ TEST(Propagation, GoesAlongTheTree) {
   }
 }
 
-TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
-  // The second layer is turned upside down: no fit of neighbours in time follows that, the arc's own alignment may.
+TEST(Propagation, FindsALayerInAnotherPose) {
   std::vector<ClosedSurface> surfaces;
   const Sequence sequence(3);
   const SphereMap root = sequence.map(0);
@@ -132,6 +131,28 @@ TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   const PropagationTree tree = timeOrder(3, 0);
   ASSERT_FALSE(followMotion(surfaces, root, tree).layers[1]);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree);
+  for (const PropagatedLayer& layer : layers) EXPECT_EQ(layer.route, Route::Method);
+  EXPECT_TRUE(layers[1].pose.moved);
+  EXPECT_FALSE(layers[2].pose.moved);
+  EXPECT_LT((layers[1].map.positions() - sequence.map(1).positions()).rowwise().norm().mean(), 0.1);
+  EXPECT_LT((layers[2].map.positions() - sequence.map(2).positions()).rowwise().norm().mean(), 0.1);
+}
+
+TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
+  // The second layer is ten times as large: no fit of neighbours in time follows that.
+  std::vector<ClosedSurface> surfaces;
+  const Sequence sequence(3);
+  const SphereMap root = sequence.map(0);
+  const ClosedSurface& second = sequence.surfaces[1];
+  surfaces.push_back(sequence.surfaces[0]);
+  surfaces.push_back(surfaceOf(
+      test::transformed({second.vertices(), second.faces()}, Eigen::Matrix3d::Identity(), 10, Vector3::Zero()),
+      "in another unit"));
+  surfaces.push_back(sequence.surfaces[2]);
+  const PropagationTree tree = timeOrder(3, 0);
+  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree);
+  ASSERT_FALSE(layers[1].pose.moved);
+  ASSERT_FALSE(followMotion(surfaces, root, tree).layers[1]);
   const RobustPropagation arc = propagateRobustly(surfaces[0], root, surfaces[1]);
   EXPECT_EQ(layers[1].route, Route::Alignment);
   EXPECT_EQ(layers[0].route, Route::Method);

@@ -1,5 +1,6 @@
 #include "vcg_ext/propagation/propagation.h"
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -40,14 +41,14 @@ PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& re
     if (parameters.method == PropagationMethod::Robust) {
       try {
         RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
-        return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment};
+        return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment, {}};
       } catch (const MapError&) {
         // Shapes that differ much: the published steps smooth all of the map, and so reach a valid one more often.
       }
     }
     PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
     const Route route = parameters.method == PropagationMethod::Robust ? Route::Published : Route::Method;
-    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route};
+    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route, {}};
   } catch (const MapError& error) {  // names the target, but knows nothing of the tree
     throw MapError(error.count, error.first,
                    std::string(error.what()) + " They come from layer \"" + reference.name() +
@@ -78,25 +79,33 @@ std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surface
                                        const Progress& progress) {
   requireFit(surfaces, rootMap, tree, parameters);
   std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
-  layers[tree.root()] = PropagatedLayer{rootMap};
+  layers[tree.root()] = PropagatedLayer{rootMap, -1, 0, 0, 0, 0, Route::Method, {}};
   const bool restores = parameters.areaRestoration > 0;
   const Progress ofArcs = part(progress, 0, restores ? propagationShare : 1);
   // Robust: the root's motion, followed through all layers; arc by arc where that loses a layer.
   FollowedMotion followed;
   followed.layers.resize(surfaces.size());
+  std::vector<LayerPose> poses(surfaces.size());
+  std::vector<ClosedSurface> inRootsFrame;
   const bool follows = parameters.method == PropagationMethod::Robust;
   report(progress, 0);
-  if (follows) followed = followMotion(surfaces, rootMap, tree, part(ofArcs, 0, followingShare));
+  if (follows) {
+    poses = findLayerPoses(surfaces, tree);
+    if (std::any_of(poses.begin(), poses.end(), [](const LayerPose& pose) { return pose.moved; }))
+      for (size_t i = 0; i < surfaces.size(); ++i) inRootsFrame.push_back(movedSurface(surfaces[i], poses[i].toRoot));
+  }
+  const std::vector<ClosedSurface>& placed = inRootsFrame.empty() ? surfaces : inRootsFrame;
+  if (follows) followed = followMotion(placed, rootMap, tree, part(ofArcs, 0, followingShare));
   overArcs(surfaces, tree, part(ofArcs, follows ? followingShare : 0, 1), [&](int i, const Progress&) {
     const int parent = tree.parent[i];
     if (std::optional<FollowedLayer>& layer = followed.layers[i]) {
       TransferredMap& read = layer->transferred;
-      layers[i] = {std::move(read.map), parent,        read.repairedFaces, read.residual.mean,
-                   read.residual.p95,   layer->seconds};
+      layers[i] = {std::move(read.map), parent,         read.repairedFaces, read.residual.mean,
+                   read.residual.p95,   layer->seconds, Route::Method,      {}};
       return;
     }
     const Stopwatch watch;
-    layers[i] = propagateArc(surfaces[parent], layers[parent]->map, surfaces[i], parameters);
+    layers[i] = propagateArc(placed[parent], layers[parent]->map, placed[i], parameters);
     layers[i]->parent = parent;
     layers[i]->seconds = watch.seconds();
   });
@@ -109,7 +118,10 @@ std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surface
     });
   std::vector<PropagatedLayer> result;
   result.reserve(layers.size());
-  for (std::optional<PropagatedLayer>& layer : layers) result.push_back(std::move(*layer));
+  for (size_t i = 0; i < layers.size(); ++i) {
+    layers[i]->pose = poses[i];
+    result.push_back(std::move(*layers[i]));
+  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/propagation/layer_poses.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 #include "vcg_ext/propagation/published_propagation.h"
 
@@ -39,6 +40,7 @@ struct PropagatedLayer {
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
   double seconds = 0;       ///< spent on this layer, wall clock
   Route route = Route::Method;
+  LayerPose pose;  ///< in which method Robust brought it onto its parent
 };
 
 /// surfaces: the layers, in the order of the tree's numbers; rootMap: the map of surfaces[tree.root()]; tree: one entry

@@ -1,0 +1,87 @@
+#include "vcg_ext/propagation/layer_poses.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+
+#include "tests/core/test_meshes.h"
+
+namespace sphere_propagation {
+namespace {
+
+using test::Mesh;
+
+/// A lopsided shape that shrinks a little from phase to phase.
+Mesh phaseOf(int phase) {
+  Mesh mesh =
+      test::transformed(test::icosphereMesh(9 + phase % 2), test::randomRotation(20 + phase), 1, Vector3::Zero());
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 d = mesh.vertices.row(v).transpose();
+    mesh.vertices.row(v) *= 1 + 0.5 * std::exp(-4 * (d - Vector3(0.6, 0.64, 0.48)).squaredNorm()) +
+                            0.4 * std::exp(-6 * (d - Vector3(-0.48, 0.6, 0.64)).squaredNorm());
+  }
+  mesh.vertices *= (1 - 0.02 * phase) * Vector3(40, 30, 22).asDiagonal();
+  return mesh;
+}
+
+ClosedSurface surfaceOf(const Mesh& mesh) { return {mesh.vertices, mesh.faces, "phase"}; }
+
+std::vector<ClosedSurface> sequence(int phases) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < phases; ++i) surfaces.push_back(surfaceOf(phaseOf(i)));
+  return surfaces;
+}
+
+const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
+const Vector3 shift(60, -10, 5);
+
+ClosedSurface movedPhase(int phase) { return surfaceOf(test::transformed(phaseOf(phase), turn, 1, shift)); }
+
+TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
+  for (const PropagationTree& tree : {timeOrder(6, 2), star(6, 0)})
+    for (const LayerPose& pose : findLayerPoses(sequence(6), tree)) {
+      EXPECT_FALSE(pose.moved);
+      EXPECT_FALSE(pose.mirrored);
+      EXPECT_EQ(pose.toRoot.rotation, Eigen::Matrix3d::Identity());
+      EXPECT_EQ(pose.toRoot.translation, Vector3::Zero());
+    }
+}
+
+TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
+  std::vector<ClosedSurface> surfaces = sequence(5);
+  surfaces[2] = movedPhase(2);
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0));
+  for (size_t i : {0, 1, 3, 4}) EXPECT_FALSE(poses[i].moved) << i;
+  EXPECT_EQ(poses[3].toRoot.rotation, Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(poses[2].moved);
+  EXPECT_NEAR(poses[2].angle, 1.1 * 180 / pi, 2);
+  EXPECT_LT((poses[2].toRoot.rotation * turn - Eigen::Matrix3d::Identity()).norm(), 0.04);
+  EXPECT_LT((movedSurface(surfaces[2], poses[2].toRoot).vertices() - phaseOf(2).vertices).rowwise().norm().maxCoeff(),
+            2);
+}
+
+TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
+  std::vector<ClosedSurface> surfaces = sequence(5);
+  for (int i = 2; i < 5; ++i) surfaces[static_cast<size_t>(i)] = movedPhase(i);
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0));
+  EXPECT_TRUE(poses[2].moved);
+  for (size_t i : {3, 4}) {
+    EXPECT_FALSE(poses[i].moved) << i;  // relative to its parent it lies as it should
+    EXPECT_EQ(poses[i].toRoot.rotation, poses[2].toRoot.rotation);
+  }
+}
+
+TEST(LayerPoses, AMirrorImageIsNamed) {
+  std::vector<ClosedSurface> surfaces = sequence(3);
+  Mesh mesh = phaseOf(1);
+  mesh.vertices.col(0) *= -1;
+  mesh.faces.col(1).swap(mesh.faces.col(2));
+  surfaces[1] = surfaceOf(mesh);
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, star(3, 0));
+  EXPECT_TRUE(poses[1].mirrored);
+  EXPECT_FALSE(poses[2].mirrored);
+}
+
+}  // namespace
+}  // namespace sphere_propagation
