@@ -16,13 +16,13 @@ pymeshlab.load_plugin({str(PLUGIN)!r})
 ms = pymeshlab.MeshSet(verbose=True)
 ms.apply_filter("create_ventricle_phantom", phases=3, voxel_size=4)
 ms.set_current_mesh(1)
-ms.apply_filter("compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500)
+ms.apply_filter("compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True)
 ms.set_current_mesh(0)
 """
 
 
-def log_of(script):
-    run = subprocess.run([sys.executable, "-c", SCRIPT + script], capture_output=True, text=True, check=True)
+def log_of(script, before=SCRIPT):
+    run = subprocess.run([sys.executable, "-c", before + script], capture_output=True, text=True, check=True)
     return run.stdout + run.stderr
 
 
@@ -30,6 +30,16 @@ def test_the_log_says_which_layer_was_lost():
     log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})")
     assert "Warning: phantom cavity 01: the motion fit lost it" in log
     assert "Warning: phantom cavity 00" not in log
+
+
+def test_the_log_names_a_layer_in_another_pose():
+    script = SCRIPT.replace('"compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True',
+                            '"compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500')
+    assert script != SCRIPT
+    log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})", script)
+    assert "Warning: phantom cavity 01: it lies in another pose and was laid on its parent for the fit" in log
+    assert "lost" not in log
+    assert "Warning: phantom cavity 02" not in log
 
 
 def test_a_filter_error_does_not_leave_a_dead_log_behind():
