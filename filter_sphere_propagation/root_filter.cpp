@@ -23,7 +23,13 @@ class RootFilter : public host::Filter {
             "follow. For a heart cycle, end-diastole (the layer of largest volume) is a good root.<br><br>"
             "Returned: " +
                 mapFiguresInfo() + "<br><br>" + paperReference() +
-                "Initial maps:<br><i>Christian Brechb&uuml;hler, Guido Gerig and Olaf K&uuml;bler</i><br>"
+                "From coarse to fine:<br><i>Emil Praun and Hugues Hoppe</i><br>"
+                "<b>\"Spherical parametrization and remeshing\"</b><br>"
+                "ACM Transactions on Graphics 22(3), 2003.<br>"
+                "<i>Xin Hu, Xiao-Ming Fu and Ligang Liu</i><br>"
+                "<b>\"Advanced hierarchical spherical parameterizations\"</b><br>"
+                "IEEE Transactions on Visualization and Computer Graphics 24(6), 2018.<br>"
+                "Other initial maps:<br><i>Christian Brechb&uuml;hler, Guido Gerig and Olaf K&uuml;bler</i><br>"
                 "<b>\"Parametrization of closed surfaces for 3-D shape description\"</b><br>"
                 "Computer Vision and Image Understanding 61(2), 1995.<br>"
                 "<i>Steven Haker, Sigurd Angenent, Allen Tannenbaum, Ron Kikinis, Guillermo Sapiro and Michael "
@@ -37,16 +43,23 @@ class RootFilter : public host::Filter {
     return {
         host::Parameter{
             "initial_map", "Initial map",
-            "Where the minimisation of area distortion starts. Automatic: the harmonic map (cotangent Laplace), and "
-            "Brechbuehler's where that cannot be made valid. Brechbuehler: colatitude and longitude by diffusion "
-            "between two "
-            "poles, the ends of the shape's first principal axis, as in the paper. The result is much the same.",
+            "Where the minimisation of area distortion starts. Automatic: from coarse to fine, which works for every "
+            "shape. Brechbuehler: colatitude and longitude by diffusion between two poles, the ends of the shape's "
+            "first "
+            "principal axis, as in the paper. Harmonic: the harmonic map (cotangent Laplace). The result is much the "
+            "same. Where the one chosen cannot be made valid, the map is made from coarse to fine, and the log says "
+            "so.",
             host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0}}
             .withNote(sizeNote(layers)),
         {"area_weight", "Area weight",
          "0 to 1. 1 asks for equal areas alone, as far as validity allows; 0 for angles alone. The default all but "
          "preserves areas and spends the freedom that is left on angles.",
-         RootMapParameters{}.areaWeight}};
+         RootMapParameters{}.areaWeight},
+        host::Parameter{"threads", "Threads",
+                        "How many threads work on large meshes; 0: as many as the machine runs at once. The map is the "
+                        "same with any number.",
+                        RootMapParameters{}.threads}
+            .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -54,6 +67,7 @@ class RootFilter : public host::Filter {
     RootMapParameters parameters;
     parameters.initialMap = static_cast<InitialMap>(task.values.choice("initial_map"));
     parameters.areaWeight = task.values.real("area_weight");
+    parameters.threads = task.values.integer("threads");
     const host::Layer layer = task.layers.current();
     const MeshSurface mesh = layer.surface();
     const RootMapResult result = makeRootMap(mesh.surface, parameters, part(task.progress, 0, 0.95));
@@ -64,7 +78,8 @@ class RootFilter : public host::Filter {
     const double seconds = stopwatch.seconds();
     if (const std::string note = sizeNote(task.layers); !note.empty()) task.log("Note: " + note + ".");
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s (" +
-             nameOf(result.used) + " start, " + counted(result.steps, "step", "steps") + ")");
+             nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") + ", " +
+             counted(result.steps, "step", "steps") + ")");
     return {{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
             {"area_ratio_sd", measures.areaRatioSd},
             {"area_log_mean", measures.areaLogMean},

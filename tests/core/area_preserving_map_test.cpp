@@ -78,7 +78,7 @@ TEST(AreaPreservingMap, DoesNotDependOnWhereTheShapeIs) {
   const Points reference = makeAreaPreserving(surface, start).map.positions();
   for (const double scale : {1e-30, 0.01, 1e30}) {
     const ClosedSurface moved = surfaceOf(transformed(mesh, randomRotation(3), scale, scale * Vector3(30, -10, 5)));
-    EXPECT_LT((makeAreaPreserving(moved, start).map.positions() - reference).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_LT((makeAreaPreserving(moved, start).map.positions() - reference).cwiseAbs().maxCoeff(), 1e-5);
   }
 }
 
@@ -91,7 +91,7 @@ TEST(AreaPreservingMap, TurnsWithItsStart) {
     const SphereMap turned(surface, start.positions() * rotation.transpose());
     EXPECT_LT(
         (makeAreaPreserving(surface, turned).map.positions() - reference * rotation.transpose()).cwiseAbs().maxCoeff(),
-        1e-6);
+        1e-5);
   }
 }
 
@@ -126,7 +126,7 @@ TEST(AreaPreservingMap, DoesNotDependOnTheNumbering) {
   const ClosedSurface other = surfaceOf(renumbered);
   const Points result = makeAreaPreserving(other, SphereMap(other, renumberedStart)).map.positions();
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-    EXPECT_LT((result.row(vertexOrder[v]) - reference.row(v)).norm(), 1e-6);
+    EXPECT_LT((result.row(vertexOrder[v]) - reference.row(v)).norm(), 1e-5);
 }
 
 TEST(AreaPreservingMap, ReportsProgress) {

@@ -7,15 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "tests/core/limb_meshes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/map/map_measures.h"
-#include "vcg_ext/map/tutte_map.h"
 
 namespace sphere_propagation::test {
 namespace {
 
 const std::vector<InitialMap> starts{InitialMap::Automatic, InitialMap::Brechbuehler, InitialMap::Harmonic,
-                                     InitialMap::Tutte};
+                                     InitialMap::Hierarchical};
 
 struct NamedMesh {
   std::string name;
@@ -67,7 +67,7 @@ TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
     for (const InitialMap start : starts) {
       const RootMapResult result = makeRootMap(surface, {start, 0.9});  // valid by type
       EXPECT_NE(result.used, InitialMap::Automatic);
-      const InitialMap asked = start == InitialMap::Automatic ? InitialMap::Harmonic : start;
+      const InitialMap asked = start == InitialMap::Automatic ? InitialMap::Hierarchical : start;
       EXPECT_EQ(result.note.empty(), result.used == asked) << named.name << ": " << result.note;
     }
   }
@@ -100,12 +100,26 @@ TEST(RootMap, PreservesAreasOfSmallMeshes) {
       }
 }
 
-TEST(RootMap, AutomaticIsHarmonicWhereThatWorks) {
+TEST(RootMap, AllStartsEndAlike) {
+  for (const Mesh& mesh : {noisyEllipsoid(2), ellipsoid(60, 20, 15, 12), cup(0.2, 60, 24)}) {
+    const ClosedSurface surface(mesh.vertices, mesh.faces);
+    const double automatic = measureMap(surface, makeRootMap(surface).map.positions()).areaRatioSd;
+    for (const InitialMap start : {InitialMap::Brechbuehler, InitialMap::Harmonic}) {
+      const RootMapResult result = makeRootMap(surface, {start, 0.9});
+      EXPECT_EQ(result.used, start);
+      EXPECT_NEAR(measureMap(surface, result.map.positions()).areaRatioSd / automatic, 1, 0.2)
+          << nameOf(start) << ", automatic " << automatic << ", " << mesh.vertices.rows();
+    }
+  }
+}
+
+TEST(RootMap, AutomaticIsHierarchical) {
   const Mesh mesh = noisyEllipsoid(2);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  const RootMapResult automatic = makeRootMap(surface), harmonic = makeRootMap(surface, {InitialMap::Harmonic, 0.9});
-  EXPECT_EQ(automatic.used, InitialMap::Harmonic);
-  EXPECT_EQ(automatic.map.positions(), harmonic.map.positions());
+  const RootMapResult automatic = makeRootMap(surface);
+  EXPECT_EQ(automatic.used, InitialMap::Hierarchical);
+  EXPECT_EQ(automatic.map.positions(), makeRootMap(surface, {InitialMap::Hierarchical, 0.9}).map.positions());
+  EXPECT_GT(automatic.levels, 3);
 }
 
 TEST(RootMap, WorksAtAnyScale) {
@@ -124,30 +138,36 @@ TEST(RootMap, SaysWhyItTookAnotherStart) {
   const Mesh mesh = tetrahedron();
   const RootMapResult result =
       makeRootMap(ClosedSurface(mesh.vertices, mesh.faces, "end-diastole"), {InitialMap::Brechbuehler, 0.9});
-  EXPECT_EQ(result.used, InitialMap::Harmonic);
+  EXPECT_EQ(result.used, InitialMap::Hierarchical);
   EXPECT_NE(result.note.find("\"end-diastole\""), std::string::npos) << result.note;
-  EXPECT_NE(result.note.find("the initial map is Harmonic"), std::string::npos) << result.note;
+  EXPECT_NE(result.note.find("the initial map is Hierarchical"), std::string::npos) << result.note;
   EXPECT_NE(result.note.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"), std::string::npos)
       << result.note;
 }
 
-TEST(RootMap, SaysWhatToDoWhenNoStartCanBeMadeValid) {
+TEST(RootMap, FallsBackToTheHierarchicalStartForLimbs) {
   // Sizes fall exponentially along a limb: with four of them, whatever the poles, some end below what can be told
   // from a point.
   const Mesh mesh = tetrapod(80);
   const ClosedSurface surface(mesh.vertices, mesh.faces, "four limbs");
-  for (const InitialMap start : starts) {
-    try {
-      makeRootMap(surface, {start, 0.9});
-      FAIL() << "a map was found";
-    } catch (const MapError& error) {
-      EXPECT_GT(error.count, 0);
-      EXPECT_GE(error.first, 0);
-      const std::string text = error.what();
-      for (const char* part : {"\"four limbs\"", "Harmonic cannot", "Brechbuehler cannot", "Tutte cannot",
-                               "of 1924 faces stay flipped", "Isotropic Explicit Remeshing"})
-        EXPECT_NE(text.find(part), std::string::npos) << text;
-    }
+  for (const InitialMap start : {InitialMap::Brechbuehler, InitialMap::Harmonic}) {
+    const RootMapResult result = makeRootMap(surface, {start, 0.9});
+    EXPECT_EQ(result.used, InitialMap::Hierarchical);
+    EXPECT_NE(result.note.find(nameOf(start) + " cannot be made valid"), std::string::npos) << result.note;
+    EXPECT_NE(result.note.find("of 1924 faces stay flipped"), std::string::npos) << result.note;
+  }
+}
+
+TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
+  for (const NamedMesh& named : std::vector<NamedMesh>{{"limbs", limbs(10, 1)},
+                                                       {"bare limbs", tetrapod(80)},
+                                                       {"tree", tree(2, 4, 1)},
+                                                       {"disc", disc(16)},
+                                                       {"coil", coil(2, 12, 80)}}) {
+    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
+    const RootMapResult result = makeRootMap(surface);  // valid by type
+    EXPECT_EQ(result.note, "") << named.name;
+    EXPECT_LT(measureMap(surface, result.map.positions()).areaRatioSd, 0.05) << named.name;
   }
 }
 
@@ -158,25 +178,23 @@ TEST(RootMap, RefusesAWeightOutsideItsRange) {
     EXPECT_THROW(makeRootMap(surface, {InitialMap::Automatic, weight}), ParameterError);
 }
 
-TEST(RootMap, ReportsProgress) {
-  const Mesh mesh = tetrahedron();
-  double last = 0;
-  makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {InitialMap::Brechbuehler, 0.9}, [&](double fraction) {
-    EXPECT_GE(fraction, last);
-    last = fraction;
-  });
-  EXPECT_EQ(last, 1);
+TEST(RootMap, RefusesANegativeNumberOfThreads) {
+  const Mesh mesh = icosahedron();
+  EXPECT_THROW(makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {InitialMap::Automatic, 0.9, -1}), ParameterError);
 }
 
-TEST(TutteMap, IsAMapWhateverTheShape) {
-  std::vector<NamedMesh> meshes = smallMeshes();
-  for (NamedMesh& mesh : stubbornMeshes()) meshes.push_back(std::move(mesh));
-  meshes.push_back({"icosphere", icosphereMesh(10)});
-  meshes.push_back({"short limbs", tetrapod(2)});
-  for (const NamedMesh& named : meshes) {
-    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces);
-    const Certificate certificate = certify(surface.faces(), tuttePositions(surface));
-    EXPECT_TRUE(certificate.valid()) << named.name << ": " << certificate.reason();
+TEST(RootMap, ReportsProgress) {
+  const Mesh mesh = noisyEllipsoid(1);
+  for (const InitialMap start : starts) {
+    double last = 0;
+    int calls = 0;
+    makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {start, 0.9}, [&](double fraction) {
+      EXPECT_GE(fraction, last);
+      last = fraction;
+      ++calls;
+    });
+    EXPECT_EQ(last, 1) << nameOf(start);
+    EXPECT_GT(calls, 4) << nameOf(start);
   }
 }
 

@@ -11,7 +11,7 @@ from surfaces import egg
 # Parameters in their order, with their defaults; a list is a choice whose first entry is the default.
 PARAMETERS = {
     PHANTOM: {"part": ["Cavity", "Wall"], "phases": 25, "voxel_size": 2.0, "twist": 0.0, "seed": 0},
-    ROOT: {"initial_map": ["Automatic", "Brechbuehler", "Harmonic"], "area_weight": 0.9},
+    ROOT: {"initial_map": ["Automatic", "Brechbuehler", "Harmonic"], "area_weight": 0.9, "threads": 0},
     PROPAGATE: {
         "root_layer": 0,
         "method": ["Robust", "As published"],

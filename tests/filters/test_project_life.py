@@ -352,7 +352,7 @@ for name in {FILTERS[1:]!r}:
             for words in (" vertices", "0 flipped faces", "area ratio sd 0.", "angle error", "degrees"):
                 assert words in line
         assert any(f"phantom cavity {t:02d}: 1002 landmarks" in line for line in lines)
-    seconds = [line for line in lines if " s (Harmonic start" in line or line.endswith(" s")]
+    seconds = [line for line in lines if " s (Hierarchical start" in line or line.endswith(" s")]
     assert len(seconds) >= 1 + 1 + 2 + 3 + 3  # phantom, root, two propagated layers, three remeshed, three evaluated
     assert any("from phantom cavity 01 with residual" in line for line in lines)
 

@@ -21,17 +21,19 @@ double shapeWeight(double areaWeight) {
 
 }  // namespace
 
+AreaEnergyWeights energyWeights(double areaWeight) {
+  if (!(areaWeight >= 0 && areaWeight <= 1))
+    throw ParameterError("The area weight must lie between 0 and 1; it is " + std::to_string(areaWeight) + ".");
+  return areaWeight == 0 ? AreaEnergyWeights{0, 1} : AreaEnergyWeights{1, shapeWeight(areaWeight)};
+}
+
 AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
-                                        const AreaPreservingParameters& parameters, const Progress& progress) {
-  if (!(parameters.areaWeight >= 0 && parameters.areaWeight <= 1))
-    throw ParameterError("The area weight must lie between 0 and 1; it is " + std::to_string(parameters.areaWeight) +
-                         ".");
-  AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()));
+                                        const AreaPreservingParameters& parameters, const Progress& progress,
+                                        ThreadPool* pool) {
+  const AreaEnergyWeights weights = energyWeights(parameters.areaWeight);
+  AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()), pool);
   AreaPreservingResult result{start, 0};
   Points positions = start.positions();
-
-  const bool anglesOnly = parameters.areaWeight == 0;
-  const AreaEnergyWeights weights{anglesOnly ? 0.0 : 1.0, anglesOnly ? 1.0 : shapeWeight(parameters.areaWeight)};
   result.steps = minimiseInStages(minimiser, weights, positions, progress);
   result.map = SphereMap(surface, std::move(positions));
   report(progress, 1);

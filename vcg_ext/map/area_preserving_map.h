@@ -2,6 +2,8 @@
 /// From a valid map to an area-preserving one.
 
 #include "vcg_ext/base/progress.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/map/area_energy.h"
 #include "vcg_ext/map/sphere_map.h"
 
 namespace sphere_propagation {
@@ -17,10 +19,15 @@ struct AreaPreservingResult {
   int steps = 0;  ///< global steps taken
 };
 
+/// The weights of the energy that stand for an area weight in [0, 1]. Throws ParameterError when it is outside.
+AreaEnergyWeights energyWeights(double areaWeight);
+
 /// Minimises the energy of area_energy.h from `start`. The weight of the shape term is lowered in stages to the one
 /// that `areaWeight` asks for, so that areas first travel through faces in good shape. Every step keeps the map valid.
+/// pool: who does the work, the calling thread alone where there is none; the result is the same.
 /// Throws ParameterError when areaWeight is outside [0, 1].
 AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
-                                        const AreaPreservingParameters& parameters = {}, const Progress& progress = {});
+                                        const AreaPreservingParameters& parameters = {}, const Progress& progress = {},
+                                        ThreadPool* pool = nullptr);
 
 }  // namespace sphere_propagation

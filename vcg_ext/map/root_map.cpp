@@ -1,15 +1,14 @@
 #include "vcg_ext/map/root_map.h"
 
-#include <algorithm>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/map/area_preserving_map.h"
 #include "vcg_ext/map/brechbuehler_map.h"
 #include "vcg_ext/map/harmonic_map.h"
-#include "vcg_ext/map/tutte_map.h"
+#include "vcg_ext/map/hierarchical_map.h"
 #include "vcg_ext/map/untangling.h"
 
 namespace sphere_propagation {
@@ -17,15 +16,24 @@ namespace {
 
 /// The starts to try, the one that is asked for first.
 std::vector<InitialMap> startsToTry(InitialMap asked) {
-  std::vector<InitialMap> starts{InitialMap::Harmonic, InitialMap::Brechbuehler, InitialMap::Tutte};
-  const auto first = std::find(starts.begin(), starts.end(), asked);
-  if (first != starts.end()) std::rotate(starts.begin(), first, first + 1);
-  return starts;
+  if (asked == InitialMap::Brechbuehler)
+    return {InitialMap::Brechbuehler, InitialMap::Hierarchical, InitialMap::Harmonic};
+  if (asked == InitialMap::Harmonic) return {InitialMap::Harmonic, InitialMap::Hierarchical, InitialMap::Brechbuehler};
+  return {InitialMap::Hierarchical, InitialMap::Harmonic, InitialMap::Brechbuehler};
 }
 
-Points initialPositions(const ClosedSurface& surface, InitialMap start) {
-  if (start == InitialMap::Brechbuehler) return brechbuehlerPositions(surface);
-  return start == InitialMap::Harmonic ? harmonicPositions(surface) : tuttePositions(surface);
+RootMapResult mapFrom(InitialMap start, const ClosedSurface& surface, double areaWeight, ThreadPool& pool,
+                      const Progress& progress) {
+  if (start == InitialMap::Hierarchical) {
+    HierarchicalResult result = hierarchicalMap(surface, energyWeights(areaWeight), pool, progress);
+    return {SphereMap(surface, std::move(result.positions)), start, result.levels, 0, result.steps, ""};
+  }
+  const Untangled initial = untangle(
+      surface, start == InitialMap::Brechbuehler ? brechbuehlerPositions(surface) : harmonicPositions(surface));
+  constexpr double startsShare = 0.15;  // of the time
+  AreaPreservingResult result =
+      makeAreaPreserving(surface, initial.map, {areaWeight}, part(progress, startsShare, 1), &pool);
+  return {std::move(result.map), start, 1, initial.repairedFaces, result.steps, ""};
 }
 
 }  // namespace
@@ -36,40 +44,42 @@ std::string nameOf(InitialMap start) {
       return "Brechbuehler";
     case InitialMap::Harmonic:
       return "Harmonic";
-    case InitialMap::Tutte:
-      return "Tutte";
+    case InitialMap::Hierarchical:
+      return "Hierarchical";
     default:
       return "Automatic";
   }
 }
 
 RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters& parameters, const Progress& progress) {
+  if (parameters.threads < 0)
+    throw ParameterError("The number of threads must not be negative; it is " + std::to_string(parameters.threads) +
+                         ".");
+  energyWeights(parameters.areaWeight);  // before anything is done
   const std::string layer = "Layer \"" + surface.name() + "\"";
   report(progress, 0);
+  ThreadPool pool(surface.vertexCount() < ThreadPool::worthwhile ? 1 : parameters.threads);
   std::string failures;
   long fewest = std::numeric_limits<long>::max(), first = -1;
   for (const InitialMap start : startsToTry(parameters.initialMap)) {
-    std::optional<Untangled> initial;
     try {
-      initial = untangle(surface, initialPositions(surface, start));
+      RootMapResult result = mapFrom(start, surface, parameters.areaWeight, pool, progress);
+      if (!failures.empty())
+        result.note.append(layer)
+            .append(": the initial map is ")
+            .append(nameOf(start))
+            .append(", since ")
+            .append(failures)
+            .append(".");
+      report(progress, 1);
+      return result;
     } catch (const MapError& error) {
-      failures += (failures.empty() ? "" : ", ") + nameOf(start) + " cannot be made valid (" +
-                  std::to_string(error.count) + " of " + std::to_string(surface.faceCount()) + " faces stay flipped)";
+      failures +=
+          (failures.empty() ? "" : ", ") + nameOf(start) + " cannot be made valid (" + std::to_string(error.count) +
+          (start == InitialMap::Hierarchical ? " vertices find no place)"
+                                             : " of " + std::to_string(surface.faceCount()) + " faces stay flipped)");
       if (error.count < fewest) fewest = error.count, first = error.first;
-      continue;
     }
-    constexpr double startsShare = 0.15;  // of the time
-    AreaPreservingResult result =
-        makeAreaPreserving(surface, initial->map, {parameters.areaWeight}, part(progress, startsShare, 1));
-    std::string note;
-    if (!failures.empty())
-      note.append(layer)
-          .append(": the initial map is ")
-          .append(nameOf(start))
-          .append(", since ")
-          .append(failures)
-          .append(".");
-    return {std::move(result.map), start, initial->repairedFaces, result.steps, std::move(note)};
   }
   throw MapError(fewest, first,
                  layer + " gets no valid map to the sphere: " + failures +

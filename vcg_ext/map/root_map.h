@@ -8,34 +8,36 @@
 
 namespace sphere_propagation {
 
-/// Where the minimisation of area distortion starts from. The map that it ends in is much the same from either.
+/// Where the minimisation of area distortion starts from. The map that it ends in is much the same from all.
 enum class InitialMap {
-  Automatic,     ///< the first of Harmonic, Brechbuehler, Tutte that can be made valid
+  Automatic,     ///< Hierarchical, and where that fails Harmonic, Brechbuehler
   Brechbuehler,  ///< brechbuehler_map.h, the paper's
-  Harmonic,      ///< harmonic_map.h: closer to the end, so about half the steps
-  Tutte,         ///< tutte_map.h: for small or very flat surfaces on which the others fail
+  Harmonic,      ///< harmonic_map.h
+  Hierarchical,  ///< hierarchical_map.h: for every shape, and quickest for large ones
 };
 
-/// The start's name as users read it: "Automatic", "Brechbuehler", "Harmonic", "Tutte".
+/// The start's name as users read it: "Automatic", "Brechbuehler", "Harmonic", "Hierarchical".
 std::string nameOf(InitialMap start);
 
 struct RootMapParameters {
   InitialMap initialMap = InitialMap::Automatic;
   double areaWeight = 0.9;  ///< as in area_preserving_map.h
+  int threads = 0;          ///< 0: as many as the machine runs at once; the map is the same with any number
 };
 
 struct RootMapResult {
   SphereMap map;
   InitialMap used;        ///< never Automatic
+  int levels = 0;         ///< of the hierarchy; 1 for the other starts
   int repairedFaces = 0;  ///< of the start: flipped before its repair
-  int steps = 0;          ///< global steps of the minimisation
+  int steps = 0;          ///< global steps of the minimisation on all vertices
   std::string note;       ///< for the log: why another start than the first choice was taken; empty when it was not
 };
 
-/// Initial positions, local repair (untangling.h), then the area-preserving map. A start that cannot be made a valid
-/// map makes way for the next one, in Automatic's order.
-/// Throws ParameterError when areaWeight is outside [0, 1], and MapError, which names the layer, says for each start
-/// how many faces stay flipped and what to do, when no start can be made valid.
+/// From an initial position on the sphere, where needed repaired locally (untangling.h), to the area-preserving map. A
+/// start that cannot be made a valid map makes way: Brechbuehler's and the harmonic one for the hierarchical start.
+/// Throws ParameterError when areaWeight is outside [0, 1] or threads below 0, and MapError, which names the layer,
+/// says what went wrong with each start and what to do, when none gives a valid map.
 RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters& parameters = {},
                           const Progress& progress = {});
 

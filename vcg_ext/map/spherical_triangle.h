@@ -10,12 +10,20 @@
 
 namespace sphere_propagation {
 
+/// 2 atan2(n, d). Faces of fine meshes are small, where the series is exact to the last bits and several times quicker.
+inline double twiceAngle(double n, double d) {
+  const double t = n / d, t2 = t * t;
+  if (d > 0 && t2 < 1e-3)
+    return 2 * t * (1 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11))))));
+  return 2 * std::atan2(n, d);
+}
+
 /// Signed solid angle (steradian, in (-2 pi, 2 pi]) of the spherical triangle of unit vectors a, b, c; positive when
 /// they run counter-clockwise seen from outside. A. van Oosterom and J. Strackee, 1983; differences keep small
 /// triangles exact.
 inline double solidAngle(const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 e = b - a, g = c - a;
-  return 2 * std::atan2(a.dot(e.cross(g)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+  return twiceAngle(a.dot(e.cross(g)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
 }
 
 /// The same, and its gradient with respect to each corner (tangential part).
@@ -26,7 +34,7 @@ inline double solidAngle(const std::array<Vector3, 3>& p, std::array<Vector3, 3>
   gradient[0] = factor * (d * b.cross(c) - n * (b + c));
   gradient[1] = factor * (d * c.cross(a) - n * (c + a));
   gradient[2] = factor * (d * a.cross(b) - n * (a + b));
-  return 2 * std::atan2(n, d);
+  return twiceAngle(n, d);
 }
 
 /// Right-handed orthonormal frame (t1, t2, x) at the unit vector x, without branches on its direction

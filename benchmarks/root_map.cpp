@@ -1,0 +1,176 @@
+// root_map_benchmark [OPTION...] MESH...
+//
+// Maps each mesh to the sphere and prints one line: what came of it, and what it cost. MESH is a PLY file or made here:
+//   blob:FREQUENCY[:NOISE[:SEED]]   limbs:SEGMENTS:SUBDIVISIONS   tree:DEPTH:SEGMENTS:SUBDIVISIONS
+//   disc:RINGS   coil:TURNS:AROUND:ALONG
+// Options, each for the meshes after it:
+//   --threads N       0 = all; default 1
+//   --area-weight W   --initial-map 0|1|2 (Automatic, Brechbuehler, Harmonic)
+//   --repeat N        take the least of N runs, after one that is not counted
+//   --unit 0|1        also time the unit u (default 1)
+//   --save FILE       write the mesh, with its map as px, py, pz
+//   --measure         the file already has a map: measure that one
+//   --make FILE       write the mesh without a map and do no more
+
+#include <sys/resource.h>
+#include <time.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "benchmarks/ply.h"
+#include "tests/core/limb_meshes.h"
+#include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/map/root_map.h"
+
+namespace sphere_propagation::benchmark {
+namespace {
+
+double cpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// The unit of time: one Eigen SimplicialLDLT, analyse and factorise, of the mesh's cotangent Laplacian. Best of five.
+double unitSeconds(const Points& vertices, const Triangles& faces) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = faces(f, (k + 1) % 3), b = faces(f, (k + 2) % 3), c = faces(f, k);
+      const Vector3 p = (vertices.row(a) - vertices.row(c)).transpose(),
+                    q = (vertices.row(b) - vertices.row(c)).transpose();
+      const double w = 0.5 * std::clamp(p.dot(q) / std::max(1e-300, p.cross(q).norm()), -0.5, 20.0) + 1e-3;
+      for (const auto& [i, j, sign] :
+           {std::tuple{a, b, -1}, std::tuple{b, a, -1}, std::tuple{a, a, 1}, std::tuple{b, b, 1}})
+        entries.emplace_back(i, j, sign * w);
+    }
+  for (int i = 0; i < static_cast<int>(vertices.rows()); ++i) entries.emplace_back(i, i, 1e-3);
+  Eigen::SparseMatrix<double> laplacian(vertices.rows(), vertices.rows());
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 5; ++i) {
+    const double start = cpuSeconds();
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
+    best = std::min(best, cpuSeconds() - start);
+  }
+  return best;
+}
+
+PlyMesh meshOf(const std::string& name) {
+  std::istringstream words(name);
+  std::string kind, word;
+  std::getline(words, kind, ':');
+  std::vector<double> x;
+  if (kind != name || kind == "disc")
+    while (std::getline(words, word, ':')) x.push_back(std::stod(word));
+  const auto at = [&](size_t i, double otherwise) { return i < x.size() ? x[i] : otherwise; };
+  const auto whole = [&](size_t i, double otherwise) { return static_cast<int>(at(i, otherwise)); };
+  test::Mesh mesh;
+  if (x.empty()) return readPly(name);
+  if (kind == "blob") mesh = test::blob(whole(0, 10), at(1, 0.3), static_cast<unsigned>(whole(2, 1)));
+  if (kind == "limbs") mesh = test::limbs(whole(0, 10), whole(1, 2));
+  if (kind == "tree") mesh = test::tree(whole(0, 2), whole(1, 4), whole(2, 2));
+  if (kind == "disc") mesh = test::disc(whole(0, 30));
+  if (kind == "coil") mesh = test::coil(at(0, 3), whole(1, 24), whole(2, 200));
+  return {mesh.vertices, mesh.faces, {}};
+}
+
+struct Options {
+  RootMapParameters parameters;
+  int repeat = 1;
+  bool unit = true, measure = false;
+  std::string save, make;
+};
+
+void run(const std::string& name, const Options& options) {
+  PlyMesh mesh = meshOf(name);
+  if (!options.make.empty()) return writePly(options.make, mesh);
+  const double checking = cpuSeconds();
+  const ClosedSurface surface(mesh.vertices, mesh.faces, name);
+  const double checked = cpuSeconds() - checking;
+  double cpu = 0, wall = 0;
+  std::string how;
+  if (!options.measure)
+    for (int i = options.repeat > 1 ? -1 : 0; i < options.repeat; ++i) {
+      const double start = cpuSeconds();
+      const Stopwatch stopwatch;
+      const RootMapResult result = makeRootMap(surface, options.parameters);
+      const double seconds = stopwatch.seconds(), used = cpuSeconds() - start;
+      if (i <= 0 || used < cpu) cpu = used;
+      if (i <= 0 || seconds < wall) wall = seconds;
+      mesh.map = result.map.positions();
+      how = nameOf(result.used) + ", " + std::to_string(result.levels) + " levels, " + std::to_string(result.steps) +
+            " steps";
+    }
+  const double measuring = cpuSeconds();
+  const MapMeasures measures = measureMap(surface, mesh.map);
+  const double measured = cpuSeconds() - measuring;
+  std::printf("%s: vertices=%d flips=%ld degree=%.6f sd=%.5f log=%.5f angle=%.3f", name.c_str(), surface.vertexCount(),
+              measures.certificate.flippedFaces, measures.certificate.degree, measures.areaRatioSd,
+              measures.areaLogMean, measures.angleErrorMean);
+  if (!options.measure) {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    std::printf(" cpu=%.4f wall=%.4f checks=%.3f measures=%.3f MB=%ld", cpu, wall, checked, measured,
+                usage.ru_maxrss / 1024);
+    if (options.unit) {
+      const double unit = unitSeconds(surface.vertices(), surface.faces());
+      std::printf(" u=%.5f ratio=%.2f", unit, cpu / unit);
+    }
+    std::printf(" (%s)", how.c_str());
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+  if (!options.save.empty()) writePly(options.save, mesh);
+}
+
+int main(const std::vector<std::string>& arguments) {
+  Options options;
+  options.parameters.threads = 1;
+  int failed = 0;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const auto value = [&] { return arguments.at(++i); };
+    if (word == "--area-weight") {
+      options.parameters.areaWeight = std::stod(value());
+    } else if (word == "--initial-map") {
+      options.parameters.initialMap = static_cast<InitialMap>(std::stoi(value()));
+    } else if (word == "--threads") {
+      options.parameters.threads = std::stoi(value());
+    } else if (word == "--repeat") {
+      options.repeat = std::stoi(value());
+    } else if (word == "--unit") {
+      options.unit = std::stoi(value()) != 0;
+    } else if (word == "--save") {
+      options.save = value();
+    } else if (word == "--make") {
+      options.make = value();
+    } else if (word == "--measure") {
+      options.measure = true;
+    } else {
+      try {
+        run(word, options);
+      } catch (const std::exception& error) {
+        std::printf("%s: %s\n", word.c_str(), error.what());
+        failed = 1;
+      }
+    }
+  }
+  return failed;
+}
+
+}  // namespace
+}  // namespace sphere_propagation::benchmark
+
+int main(int count, char** arguments) {
+  return sphere_propagation::benchmark::main({arguments + 1, arguments + count});
+}

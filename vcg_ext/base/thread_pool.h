@@ -1,0 +1,64 @@
+#pragma once
+/// A few threads that share loops, and wait without burning time when there is nothing to do.
+///
+/// Loops are cut into chunks whose size does not depend on the number of threads, and sums are added up in the chunks'
+/// order: results are the same bit for bit with any number of threads.
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace sphere_propagation {
+
+class ThreadPool {
+ public:
+  /// threads: how many work together, the calling one included; 0: as many as the machine runs at once. 1: no thread
+  /// is started. Fewer are started where the system does not give that many.
+  explicit ThreadPool(int threads = 1);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  int threads() const;
+
+  /// Below so many elements of a loop no thread but the calling one takes part: a pool would be of no use.
+  static constexpr int worthwhile = 16384;
+
+  /// Calls f(begin, end) for consecutive ranges that make up 0 .. count - 1, from several threads at once. Returns when
+  /// all are done. f must not throw, and must not use this pool.
+  template <class Function>
+  void forRanges(int count, const Function& f) {
+    const int ranges = rangesOf(count);
+    if (ranges <= inlineRanges || threads() == 1) {
+      for (int i = 0; i < ranges; ++i) f(beginOf(i), std::min(beginOf(i + 1), count));
+      return;
+    }
+    const auto task = [&](int i) { f(beginOf(i), std::min(beginOf(i + 1), count)); };
+    run(
+        ranges, [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); }, &task);
+  }
+
+  /// The sum of f(begin, end) over such ranges, added up in their order.
+  template <class Function>
+  double sum(int count, const Function& f) {
+    std::vector<double>& parts = partialSums(rangesOf(count));
+    forRanges(count, [&](int begin, int end) { parts[static_cast<size_t>(begin / rangeSize)] = f(begin, end); });
+    double total = 0;
+    for (int i = 0; i < rangesOf(count); ++i) total += parts[static_cast<size_t>(i)];
+    return total;
+  }
+
+  static constexpr int rangeSize = 4096;
+  static int rangesOf(int count) { return (count + rangeSize - 1) / rangeSize; }
+
+ private:
+  static constexpr int inlineRanges = worthwhile / rangeSize;
+  static int beginOf(int range) { return range * rangeSize; }
+  void run(int ranges, void (*call)(const void*, int), const void* context);
+  std::vector<double>& partialSums(int ranges);
+
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sphere_propagation
