@@ -1,0 +1,123 @@
+"""The words for the user in the sources: what errors, warnings and log lines say, without what varies.
+
+    python messages.py     lists them: file, words
+
+A message is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`. A piece that says something (three words or more) must be on
+the page docs/errors.md. In C++ every string of a filter or below that is no description of a parameter or of a filter counts; in Python and in the
+scripts, what goes into errors and warnings.
+"""
+import ast
+import re
+from typing import Iterator, List, Tuple
+
+from pages import PROJECT
+
+VARIES = "…"
+STRING = r'"((?:[^"\\\n]|\\.)*)"'
+DESCRIPTIONS = ("FilterDescription describe() const override {", "parameters(const host::Layers& layers) const override {",
+                "parameters(const host::Layers&) const override {", "::describe() const {", "std::string mapFiguresInfo() {",
+                "std::string paperReference() {")
+IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
+
+
+def says_something(piece: str) -> bool:
+    return len(re.findall(r"(?<!\S)[^\sA-Za-z]*[A-Za-z]{2,}", piece)) >= 3 and not piece.startswith(("^", "\\"))  # regular expressions
+
+
+def pieces(text: str) -> List[str]:
+    """What stays the same in a message, without the blanks and the punctuation at its ends."""
+    return [p for p in (part.strip(" ,:;.()\"'\n") for part in re.sub(r"\s+", " ", text).split(VARIES)) if says_something(p)]
+
+
+def end_of(text: str, start: int) -> int:
+    """The index behind the bracket that closes the one at `start`."""
+    depth, at = 0, start
+    while True:
+        string = re.compile(STRING + r"|'\\?.'").match(text, at)
+        if string:
+            at = string.end()
+            continue
+        depth += (text[at] in "({[") - (text[at] in ")}]")
+        at += 1
+        if depth == 0:
+            return at
+
+
+def without_descriptions(code: str) -> str:
+    for head in DESCRIPTIONS:
+        while head in code:
+            start = code.index(head)
+            code = code[:start] + code[end_of(code, start + len(head) - 1):]
+    return code
+
+
+def with_plurals(code: str) -> str:
+    """counted(n, "edge", "edges") as what it says."""
+    while (start := code.find("counted(")) >= 0:
+        end = end_of(code, start + len("counted"))
+        strings = re.findall(STRING, code[start:end])
+        code = code[:start] + (f'"{VARIES} {strings[-1]}"' if len(strings) == 2 else "") + code[end:]
+    return code
+
+
+def in_cpp(code: str, only_errors: bool = False) -> Iterator[str]:
+    code = re.sub(r"^\s*#.*$|//.*$", "", code, flags=re.M)
+    code = with_plurals(without_descriptions(code))
+    if only_errors:
+        code = "\n;".join(code[m.end() - 1:end_of(code, m.end() - 1)] for m in re.finditer(r"throw \w+\(", code))
+    text, end = "", None
+    for string in re.finditer(STRING, code):
+        joined = end is not None and re.fullmatch(r"\s*\+?\s*", code[end:string.start()])
+        if not joined:
+            yield text
+            text = ""
+        text += string[1].replace('\\"', '"').replace("\\n", "\n")
+        end = string.end()
+    yield text
+
+
+def in_python(code: str) -> Iterator[str]:
+    def said(node):
+        if isinstance(node, ast.Constant):
+            return node.value if isinstance(node.value, str) else ""
+        if isinstance(node, ast.JoinedStr):
+            return "".join(said(part) for part in node.values)
+        if isinstance(node, ast.BinOp):
+            return said(node.left) + said(node.right)
+        if isinstance(node, ast.BoolOp):  # words, or others where there are none
+            return " ".join(map(said, node.values))
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "strip":
+            return said(node.func.value)
+        return VARIES
+
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.Call) and IN_PYTHON.match(getattr(node.func, "id", getattr(node.func, "attr", ""))):
+            for argument in node.args:
+                yield said(argument)
+
+
+def in_shell(code: str) -> Iterator[str]:
+    for said in re.findall(r'\b(?:die|say) "((?:[^"\\]|\\.)*)"', code):
+        if not said.startswith("=="):  # headlines of scripts/test
+            yield re.sub(r"\$\((?:[^()]|\([^()]*\))*\)|\$\{[^}]*\}|\$[\w@*#]+|\$\S", VARIES, said.splitlines()[0])
+
+
+def messages() -> List[Tuple[str, str]]:
+    """All pieces of all messages: list of (file, words)."""
+    found = []
+    for folder in ("vcg_ext", "host", "filter_sphere_propagation"):
+        for path in sorted((PROJECT / folder).rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                writes_a_format = path.name.endswith("_file.cpp")
+                found += [(path, text) for text in in_cpp(path.read_text(), only_errors=writes_a_format)]
+    for path in sorted((PROJECT / "python").rglob("*.py")):
+        found += [(path, text) for text in in_python(path.read_text())]
+    for path in sorted((PROJECT / "scripts").iterdir()):
+        if path.is_file() and path.suffix in ("", ".sh"):
+            found += [(path, text) for text in in_shell(path.read_text())]
+    return [(str(path.relative_to(PROJECT)), piece) for path, text in found for piece in pieces(text)]
+
+
+if __name__ == "__main__":
+    for file, words in messages():
+        print(f"{file}: {words}")
