@@ -229,19 +229,20 @@ TEST(Propagation, AnErrorNamesTheLayer) {
   const std::vector<ClosedSurface> surfaces = {surfaceOf(flat, "first phase"), surfaceOf(flat, "second phase"),
                                                surfaceOf(reversed, "third phase")};
   const SphereMap root(surfaces[0], test::tetrahedron().vertices);
-  for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
-    PropagationParameters parameters;
-    parameters.method = method;
-    parameters.published.smoothingSweeps = 0;  // four vertices shrink to a point
-    try {
-      propagate(surfaces, root, timeOrder(3, 0), parameters);
-      FAIL() << "no error";
-    } catch (const Error& error) {
-      const std::string text = error.what();
-      EXPECT_NE(text.find("third phase"), std::string::npos) << text;
-      EXPECT_NE(text.find("second phase"), std::string::npos) << text;
-    }
+  PropagationParameters parameters;
+  parameters.method = PropagationMethod::AsPublished;
+  parameters.published.smoothingSweeps = 0;  // four vertices shrink to a point
+  try {
+    propagate(surfaces, root, timeOrder(3, 0), parameters);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("third phase"), std::string::npos) << text;
+    EXPECT_NE(text.find("second phase"), std::string::npos) << text;
   }
+  // The motion model fits no flat shape, but what can be mended is no error.
+  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0));
+  for (size_t i = 0; i < 3; ++i) EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map.positions()).valid());
 }
 
 TEST(Propagation, RefusesWhatDoesNotFit) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "vcg_ext/map/certificate.h"
+#include "vcg_ext/map/nearby_map.h"
 #include "vcg_ext/map/spherical_triangle.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr double leastSolidAngle = 10 * Certificate::leastSolidAngle;
 /// Shorter edges pull no harder than this share of the mean edge: a vertex must not be glued to its neighbour.
 constexpr double shortestEdge = 0.05;
+constexpr int ringsOfALocalRepair = 12;
 
 bool isFlipped(const ClosedSurface& surface, const Points& positions, int f) {
   const auto at = [&](int k) { return Vector3(positions.row(surface.faces()(f, k)).transpose()); };
@@ -81,13 +83,23 @@ void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& fr
   }
 }
 
+void normalise(Points& positions) {
+  for (auto x : positions.rowwise()) {
+    const double length = x.norm();
+    if (length > 0 && std::isfinite(length)) x /= length;
+  }
+}
+
+int countMoved(const Points& before, const Points& after) {
+  int moved = 0;
+  for (Eigen::Index v = 0; v < before.rows(); ++v) moved += before.row(v) != after.row(v);
+  return moved;
+}
+
 }  // namespace
 
-Untangled untangle(const ClosedSurface& surface, Points positions) {
-  for (int v = 0; v < surface.vertexCount(); ++v) {
-    const double length = positions.row(v).norm();
-    if (length > 0 && std::isfinite(length)) positions.row(v) /= length;
-  }
+Untangled untangle(const ClosedSurface& surface, Points positions, int mostRings) {
+  normalise(positions);
   const Certificate before = certify(surface.faces(), positions);
   const Points original = positions;
   const double shortest = shortestEdge * meanEdgeLength(surface.vertices(), surface.faces());
@@ -96,7 +108,7 @@ Untangled untangle(const ClosedSurface& surface, Points positions) {
     const std::vector<char> free = verticesToFree(surface, positions, rings);
     const auto freed = std::count(free.begin(), free.end(), 1);
     if (freed == 0) break;
-    if (freed == surface.vertexCount()) {
+    if (freed == surface.vertexCount() || rings > mostRings) {
       const Certificate now = certify(surface.faces(), positions);
       throw MapError(
           now.flippedFaces, now.firstFlippedFace,
@@ -106,9 +118,19 @@ Untangled untangle(const ClosedSurface& surface, Points positions) {
     }
     solveFreeVertices(surface, free, shortest, positions);
   }
-  int moved = 0;
-  for (int v = 0; v < surface.vertexCount(); ++v) moved += positions.row(v) != original.row(v);
+  const int moved = countMoved(original, positions);
   return {SphereMap(surface, std::move(positions)), static_cast<int>(before.flippedFaces), moved};
+}
+
+Untangled mend(const ClosedSurface& surface, Points positions) {
+  normalise(positions);
+  try {
+    return untangle(surface, positions, ringsOfALocalRepair);
+  } catch (const MapError&) {
+    SphereMap map = nearbyMap(surface, positions);
+    const int moved = countMoved(positions, map.positions());
+    return {std::move(map), static_cast<int>(certify(surface.faces(), positions).flippedFaces), moved};
+  }
 }
 
 }  // namespace sphere_propagation

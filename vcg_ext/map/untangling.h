@@ -2,6 +2,8 @@
 /// Local repair of positions on the sphere that are almost a map: only the faces that are flipped, and what lies around
 /// them, are touched.
 
+#include <limits>
+
 #include "vcg_ext/map/sphere_map.h"
 
 namespace sphere_propagation {
@@ -17,7 +19,13 @@ struct Untangled {
 /// are those of the paper's smoothing), then back on the sphere. Where faces are still flipped the ring grows.
 ///
 /// positions: #V by 3, any length but zero (they are normalised first; a zero or non-finite one counts as free).
-/// Throws MapError when growing the ring does not end in a valid map: the positions are too far from one.
-Untangled untangle(const ClosedSurface& surface, Points positions);
+/// mostRings: how far the ring may grow.
+/// Throws MapError when that does not end in a valid map: the positions are too far from one.
+Untangled untangle(const ClosedSurface& surface, Points positions, int mostRings = std::numeric_limits<int>::max());
+
+/// untangle with up to 12 rings; where the folds are no local matter, the map near the positions that is made from
+/// coarse to fine (nearby_map.h), which always is one.
+/// Throws MapError when there is no room for a vertex.
+Untangled mend(const ClosedSurface& surface, Points positions);
 
 }  // namespace sphere_propagation

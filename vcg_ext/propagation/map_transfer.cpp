@@ -57,7 +57,7 @@ TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& refe
     positions.row(v) = point.interpolate(reference.faces(), referenceMap.positions()).transpose();
     distances[v] = point.distance;
   }
-  Untangled untangled = untangle(target, std::move(positions));  // which normalises first
+  Untangled untangled = mend(target, std::move(positions));  // which normalises first
   const Residual residual = residualOf(distances);
   return {std::move(untangled.map), untangled.repairedFaces, residual, std::move(distances)};
 }

@@ -172,7 +172,7 @@ PublishedPropagation propagateAsPublished(const ClosedSurface& reference, const 
                            " vertices that are nearest to each other lie in triangles of opposite orientation. Choose "
                            "another order of propagation or another root, or the method \"Robust\".");
   const Points positions = smoothOnSphere(target, placeMovingNodes(target, nodes), parameters.smoothingSweeps);
-  Untangled repaired = untangle(target, positions);
+  Untangled repaired = mend(target, positions);
   const Residual residual = distancesFrom(reference, aligned);
   return {std::move(repaired.map), repaired.repairedFaces, residual.mean, residual.p95, nodes.count()};
 }

@@ -1,0 +1,220 @@
+#include "vcg_ext/map/nearby_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/base/rotation.h"
+#include "vcg_ext/map/area_minimiser.h"
+#include "vcg_ext/map/collapsible_mesh.h"
+#include "vcg_ext/map/kernel_placement.h"
+#include "vcg_ext/map/simplification.h"
+#include "vcg_ext/map/spatial_order.h"
+#include "vcg_ext/map/spherical_triangle.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr int sweeps = 8, lastSweeps = 40, easedRings = 2;
+/// On the way to its position a vertex leaves the faces around it this share of the mean solid angle, or what they
+/// have.
+constexpr double roomOnTheWay = 1e-3;
+
+class Refinement {
+ public:
+  Refinement(const ClosedSurface& surface, const Points& targets)
+      : surface_(surface),
+        order_(spatialOrder(surface.vertices())),
+        mesh_(surface, inOrder(surface), order_),
+        targets_(surface.vertexCount(), 3),
+        positions_(surface.vertexCount(), 3) {
+    for (size_t i = 0; i < order_.size(); ++i) targets_.row(static_cast<Eigen::Index>(i)) = targets.row(order_[i]);
+  }
+
+  SphereMap run() {
+    ThreadPool pool;
+    const std::vector<int> rounds = simplify(mesh_, pool);
+    layTetrahedron();
+    int next = 8;
+    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
+      for (int i = 0; i < *round; ++i) place(mesh_.undo());
+      if (mesh_.vertexCount() < next || mesh_.vertexCount() == mesh_.allVertices()) continue;
+      attract(sweeps);
+      next = 2 * mesh_.vertexCount();
+    }
+    attract(lastSweeps);
+    ease();
+    Points result(positions_.rows(), 3);
+    for (size_t i = 0; i < order_.size(); ++i) result.row(order_[i]) = positions_.row(static_cast<Eigen::Index>(i));
+    return {surface_, std::move(result)};
+  }
+
+ private:
+  /// Simplification takes squares of areas: in units of the extent they are numbers.
+  Points inOrder(const ClosedSurface& surface) const {
+    const Vector3 low = surface.vertices().colwise().minCoeff(), high = surface.vertices().colwise().maxCoeff();
+    Points points(surface.vertexCount(), 3);
+    for (size_t i = 0; i < order_.size(); ++i)
+      points.row(static_cast<Eigen::Index>(i)) =
+          ((surface.vertex(order_[i]) - low) / (high - low).maxCoeff()).transpose();
+    return points;
+  }
+
+  Vector3 target(int v) const { return targets_.row(v).transpose(); }
+  Vector3 position(int v) const { return positions_.row(v).transpose(); }
+  bool asksForAPlace(int v) const { return std::fabs(targets_.row(v).squaredNorm() - 1) < 1e-6; }
+
+  void layTetrahedron() {
+    std::vector<int> vertices;
+    for (int v = 0; v < mesh_.allVertices(); ++v)
+      if (mesh_.isThere(v)) vertices.push_back(v);
+    const int first = vertices.front(), h = mesh_.someHalfEdge(first), g = mesh_.turned(h);
+    const std::vector<int> corners = {first, mesh_.target(h), mesh_.target(g), mesh_.target(mesh_.turned(g))};
+    const double c = 1 / std::sqrt(3.0);
+    Eigen::Matrix<double, 4, 3> regular;
+    regular << c, c, c, -c, -c, c, c, -c, -c, -c, c, -c;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 4; ++i)
+      if (asksForAPlace(corners[static_cast<size_t>(i)]))
+        covariance += target(corners[static_cast<size_t>(i)]) * regular.row(i);
+    const Eigen::Matrix3d rotation = bestRotation(covariance);
+    for (int i = 0; i < 4; ++i) positions_.row(corners[static_cast<size_t>(i)]) = regular.row(i) * rotation.transpose();
+    bool good = true;
+    for (int v : vertices) good = good && asksForAPlace(v);
+    for (int v : vertices) {
+      gather(v);
+      for (Vector3& p : rim_) p = Vector3::Zero();
+      size_t i = 0;
+      forRing(v, [&](int w) { rim_[i++] = target(w); });
+      good = good && fits(target(v), Admissible::leastSolidAngle);
+    }
+    if (good)
+      for (int v : vertices) positions_.row(v) = targets_.row(v);
+  }
+
+  template <class Function>
+  void forRing(int v, const Function& act) const {
+    const int first = mesh_.someHalfEdge(v);
+    int h = first;
+    do {
+      act(mesh_.target(h));
+      h = mesh_.turned(h);
+    } while (h != first);
+  }
+
+  void gather(int v) {
+    rim_.clear();
+    forRing(v, [&](int w) { rim_.push_back(position(w)); });
+  }
+
+  /// The least solid angle of the faces round x in the ring gathered; negative when one is not admissible.
+  double leastAngle(const Vector3& x) const {
+    double least = Admissible::largestSolidAngle;
+    for (size_t i = 0; i < rim_.size(); ++i) {
+      const Vector3 &b = rim_[i], &c = rim_[i + 1 == rim_.size() ? 0 : i + 1];
+      if (x.dot(b) < Admissible::leastCosine) return -1;
+      const double s = solidAngle(x, b, c);
+      if (!(s <= Admissible::largestSolidAngle)) return -1;
+      least = std::min(least, s);
+    }
+    return least;
+  }
+  bool fits(const Vector3& x, double least) const { return leastAngle(x) >= least; }
+
+  /// To its position if it fits there, else towards `goal` as far as there is room. From a place that is good.
+  Vector3 moved(const Vector3& from, const Vector3& goal) const {
+    const double mean = 4 * pi / (2 * mesh_.vertexCount() - 4);
+    const double least = std::max(std::min(roomOnTheWay * mean, leastAngle(from)), Admissible::leastSolidAngle);
+    for (double share = 1; share > 0.1; share /= 2) {
+      const Vector3 x = (from + share * (goal - from)).normalized();
+      if (x.allFinite() && fits(x, least)) return x;
+    }
+    return from;
+  }
+
+  void place(int v) {
+    gather(v);
+    if (asksForAPlace(v) && fits(target(v), Admissible::leastSolidAngle)) {
+      positions_.row(v) = targets_.row(v);
+      return;
+    }
+    Vector3 x;
+    // It left to its someHalfEdge's target; undo() puts that one first.
+    if (!placeInKernel(rim_, rim_[0], Admissible::leastSolidAngle, x))
+      throw MapError(1, order_[static_cast<size_t>(v)],
+                     "Layer \"" + surface_.name() +
+                         "\": its positions on the sphere cannot be made a valid map: there is "
+                         "no room for vertex " +
+                         std::to_string(order_[static_cast<size_t>(v)]) + ".");
+    positions_.row(v) = (asksForAPlace(v) ? moved(x, target(v)) : x).transpose();
+  }
+
+  /// Vertices that are elsewhere lean on their neighbours, and take their positions once these fit.
+  void attract(int most) {
+    std::vector<int> elsewhere;
+    for (int v = 0; v < mesh_.allVertices(); ++v)
+      if (mesh_.isThere(v) && positions_.row(v) != targets_.row(v)) elsewhere.push_back(v);
+    for (int sweep = 0; sweep < most && !elsewhere.empty(); ++sweep) {
+      size_t left = 0;
+      for (int v : elsewhere) {
+        gather(v);
+        if (asksForAPlace(v) && fits(target(v), Admissible::leastSolidAngle)) {
+          positions_.row(v) = targets_.row(v);
+          continue;
+        }
+        const Vector3 mean = meanOfRing(v);
+        const Vector3 goal = asksForAPlace(v) ? Vector3(0.7 * mean + 0.3 * target(v)).normalized() : mean;
+        positions_.row(v) = moved(position(v), goal).transpose();
+        elsewhere[left++] = v;
+      }
+      elsewhere.resize(left);
+    }
+  }
+
+  /// Where vertices were squeezed in, those around them give way: each at the mean of its neighbours.
+  void ease() {
+    std::vector<char> free(static_cast<size_t>(mesh_.allVertices()), 0);
+    std::vector<int> squeezed;
+    const auto add = [&](int v) {
+      if (free[static_cast<size_t>(v)]) return;
+      free[static_cast<size_t>(v)] = 1;
+      squeezed.push_back(v);
+    };
+    for (int v = 0; v < mesh_.allVertices(); ++v)
+      if (positions_.row(v) != targets_.row(v)) add(v);
+    for (int ring = 0, from = 0; ring < easedRings; ++ring) {
+      const auto to = static_cast<int>(squeezed.size());
+      for (int i = from; i < to; ++i) forRing(squeezed[static_cast<size_t>(i)], add);
+      from = to;
+    }
+    for (int sweep = 0; sweep < lastSweeps; ++sweep)
+      for (int v : squeezed) {
+        gather(v);
+        positions_.row(v) = moved(position(v), meanOfRing(v)).transpose();
+      }
+  }
+
+  /// Weighted as the paper's smoothing is.
+  Vector3 meanOfRing(int v) const {
+    Vector3 mean = Vector3::Zero();
+    size_t i = 0;
+    forRing(v, [&](int w) { mean += rim_[i++] / std::max((mesh_.point(v) - mesh_.point(w)).norm(), 1e-6); });
+    return mean.normalized();
+  }
+
+  const ClosedSurface& surface_;
+  std::vector<int> order_;
+  CollapsibleMesh mesh_;
+  Points targets_, positions_;
+  std::vector<Vector3> rim_;
+};
+
+}  // namespace
+
+SphereMap nearbyMap(const ClosedSurface& surface, const Points& positions) {
+  return Refinement(surface, positions).run();
+}
+
+}  // namespace sphere_propagation
