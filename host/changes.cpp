@@ -126,7 +126,7 @@ int Changes::commit() {
     for (size_t v = 0; v < change.meshVertex.size(); ++v)
       handle[static_cast<size_t>(change.meshVertex[v])] = change.positions[v];
     if (change.texture) {
-      mesh.updateDataMask(MeshModel::MM_VERTTEXCOORD);
+      enableTextureCoordinates(mesh);
       for (size_t v = 0; v < change.meshVertex.size(); ++v) {
         auto& t = mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].T();
         t.U() = change.texture->coordinates(static_cast<Eigen::Index>(v), 0);

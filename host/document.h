@@ -37,6 +37,9 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh);
 /// Takes a layer off the document.
 void removeLayer(MeshDocument& document, int id);
 
+/// Gives a layer texture coordinates per vertex, such that every way of saving it keeps them.
+void enableTextureCoordinates(MeshModel& layer);
+
 /// Adds a choice among the document's layers.
 void addLayerParameter(RichParameterList& list, const Parameter& parameter, const MeshDocument& document);
 

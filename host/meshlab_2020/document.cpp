@@ -47,6 +47,13 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
 
 void removeLayer(MeshDocument& document, int id) { document.delMesh(document.getMesh(id)); }
 
+void enableTextureCoordinates(MeshModel& layer) {
+  // meshlabserver -w takes a layer's data mask for a mask of file contents, in which the bit of MM_VERTMARK means
+  // texture coordinates per vertex.
+  static_assert(static_cast<int>(MeshModel::MM_VERTMARK) == 0x20);
+  layer.updateDataMask(MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTMARK);
+}
+
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   if (document.meshList.empty()) return;  // MeshLab's widget wants a layer to show
   // This MeshLab means places in the list, not ids, and takes no constant document, which it does not change.

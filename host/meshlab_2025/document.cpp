@@ -31,6 +31,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
 
 void removeLayer(MeshDocument& document, int id) { document.delMesh(static_cast<unsigned int>(id)); }
 
+void enableTextureCoordinates(MeshModel& layer) { layer.updateDataMask(MeshModel::MM_VERTTEXCOORD); }
+
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   const int id = std::get<Parameter::LayerId>(p.value).id;
   list.addParam(RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document, qt(p.dialogLabel()),
