@@ -2,10 +2,13 @@
 
 #include <QRegularExpression>
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "host/document.h"
-#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/base/counted.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/map/float_copy.h"
 #include "vcg_ext/map/texture_copy.h"
 
 namespace sphere_propagation::host {
@@ -44,7 +47,7 @@ QString withoutNumber(const QString& label) {
 struct Changes::MapChange {
   int layerId;
   std::vector<int> meshVertex;
-  std::vector<Point3m> positions;
+  std::vector<Point3m> positions;  // empty: they do not hold the map
   std::optional<TextureCopy> texture;
 };
 
@@ -72,20 +75,45 @@ Changes::~Changes() = default;
 
 std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map) {
   MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(surface.surface, map)};
-  change.positions.reserve(surface.meshVertex.size());
-  for (Eigen::Index v = 0; v < map.positions().rows(); ++v) change.positions.push_back(pointm(map.positions(), v));
-  std::string note;
-  if (!change.texture->valid) {
+  int mended = change.texture->mendedVertices;
+  const bool textureHoldsIt = change.texture->valid;
+  if (!textureHoldsIt) {
+    mended = 0;
     change.texture.reset();
-    note = "Layer \"" + layer.label() +
-           "\": its map is too fine for texture coordinates, which are stored as float; it is kept as the attribute "
-           "\"sphere_position\" only, which files do not keep.";
-  } else if (change.texture->mendedVertices > 0) {
-    note = "Layer \"" + layer.label() + "\": " + std::to_string(change.texture->mendedVertices) +
-           " texture coordinates were moved by a few units in the last place, so that the map stays valid as float.";
   }
+  bool attributeHoldsIt = true;
+  if constexpr (std::is_same_v<Scalarm, double>) {
+    for (Eigen::Index v = 0; v < map.positions().rows(); ++v) change.positions.push_back(pointm(map.positions(), v));
+  } else {
+    const FloatCopy copy = copyToFloat(surface.surface, map);
+    attributeHoldsIt = copy.valid;
+    if (copy.valid) {
+      mended += copy.mendedVertices;
+      const Points rounded = copy.positions.cast<double>();
+      for (Eigen::Index v = 0; v < rounded.rows(); ++v) change.positions.push_back(pointm(rounded, v));
+    }
+  }
+  if (!textureHoldsIt && !attributeHoldsIt)
+    throw MapError(0, -1,
+                   "Layer \"" + layer.label() +
+                       "\": its map has faces too small for the single precision in which this MeshLab stores it. "
+                       "PyMeshLab stores double precision; or make the mesh coarser where it is finest (Filters, "
+                       "Remeshing).");
   maps_.push_back(std::move(change));
-  return note;
+  const std::string name = "Layer \"" + layer.label() + "\": ";
+  if (!textureHoldsIt)
+    return name +
+           "its map is too fine for texture coordinates, which are stored as float; it is kept as the attribute "
+           "\"sphere_position\" only, which files do not keep.";
+  if (!attributeHoldsIt)
+    return name +
+           "its map is too fine for the attribute \"sphere_position\", which this MeshLab stores as float; it is kept "
+           "as "
+           "texture coordinates only.";
+  if (mended > 0)
+    return name + counted(mended, "vertex was", "vertices were") +
+           " moved by a few units in the last place, so that the map stays valid as float.";
+  return {};
 }
 
 void Changes::setColors(const Layer& layer, const MeshSurface& surface, Colors colors) {
@@ -122,9 +150,13 @@ int Changes::commit() {
   int changed = MeshModel::MM_NONE;
   for (MapChange& change : maps_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
-    auto handle = Allocator::GetPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
-    for (size_t v = 0; v < change.meshVertex.size(); ++v)
-      handle[static_cast<size_t>(change.meshVertex[v])] = change.positions[v];
+    if (change.positions.empty()) {
+      Allocator::DeletePerVertexAttribute(mesh.cm, spherePositionAttribute);  // it would be that of an earlier map
+    } else {
+      auto handle = Allocator::GetPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
+      for (size_t v = 0; v < change.meshVertex.size(); ++v)
+        handle[static_cast<size_t>(change.meshVertex[v])] = change.positions[v];
+    }
     if (change.texture) {
       enableTextureCoordinates(mesh);
       for (size_t v = 0; v < change.meshVertex.size(); ++v) {

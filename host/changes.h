@@ -34,9 +34,10 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
-  /// Stores a map on a layer, as attribute and as texture coordinates. Returns what the user should know about that;
-  /// usually nothing: texture coordinates are floats, and where rounding to them makes faces flip beyond mending, the
-  /// attribute alone is kept.
+  /// Stores a map on a layer, as attribute and as texture coordinates, each certified as it is stored. Returns what the
+  /// user should know about that; usually nothing: texture coordinates are floats, in some hosts the attribute is as
+  /// well, and where rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when neither
+  /// holds the map.
   std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map);
 
   /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read as.

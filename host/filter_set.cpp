@@ -87,11 +87,7 @@ RichParameterList FilterSet::parameters(int index, const MeshDocument& document)
   return list;
 }
 
-int FilterSet::changes() {
-  return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTCOLOR |
-         MeshModel::MM_FACENORMAL | MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY | MeshModel::MM_VERTNUMBER |
-         MeshModel::MM_FACENUMBER;
-}
+int FilterSet::changes() { return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER; }
 
 FilterSet::Result FilterSet::run(int index, const RichParameterList& values, MeshDocument& document,
                                  vcg::CallBackPos* callback, const std::function<void(const std::string&)>& log) {
@@ -114,8 +110,8 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const RichValues richValues(values, filter.parameters(layers));
     Task task{layers, richValues, changes, log, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
+    report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab has yet to take in
     const int changed = changes.commit();
-    report(task.progress, 1);
     return {std::nullopt, std::move(outputs), changed};
   } catch (const Error& error) {
     return {error.what(), {}};

@@ -34,8 +34,10 @@ class FilterSet {
   Result run(int index, const RichParameterList& values, MeshDocument& document, vcg::CallBackPos* callback,
              const std::function<void(const std::string&)>& log);
 
-  /// What a filter may change, as a mask of MeshLab's. It names the numbers of vertices and faces: those are what keeps
-  /// the GUI from offering a preview, which would make layers at every turn of a knob.
+  /// What MeshLab is told beforehand that a filter may change. The numbers of vertices and faces keep the GUI from
+  /// offering a preview, which would make layers at every turn of a knob, and make 2020.09 draw everything anew.
+  /// Coordinates and colours are not named: 2020.09 would set those of the current layer back at every Apply to what
+  /// they were when the dialog was opened.
   static int changes();
 
  private:

@@ -1,7 +1,8 @@
 # Set-up shared by the scripts in this folder; source it under `set -euo pipefail`.
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
-#   packages_for PURPOSE...        their names: build core plugin volumes gui benchmarks python pymeshlab pictures lint
+#   packages_for PURPOSE...        their names: build core plugin volumes gui benchmarks python pymeshlab
+#                                  pictures lint meshlab (2020.09, and what its GUI needs without a display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
 #   require_python [PURPOSE]       sets PYTHON, the interpreter of an environment with requirements.txt (or
@@ -61,6 +62,7 @@ packages_for() {
       python)     if ! have_usable_python; then echo python3-venv; fi ;;
       pymeshlab)  echo libgl1 libopengl0 ;;
       pictures)   echo libegl1 ;;
+      meshlab)    echo meshlab xvfb xauth libgl1-mesa-dri ;;
       lint)       echo clang-format clang-tidy ;;
       *)          die "packages_for: no purpose '$purpose'" ;;
     esac
@@ -111,6 +113,7 @@ say_what_is_needed() {
   volumes   ITK 5 (or call scripts/build --without-volumes)
   tests     Python 3.9 to 3.13 with the packages in scripts/requirements.txt; libGL and libOpenGL for PyMeshLab
   pictures  libEGL
+  hosts     MeshLab 2020.09, Xvfb and xauth
   headers   fetched with git, or set MESHLAB_SOURCE_DIR to an unpacked MeshLab 2025.07 source tree"
 }
 

@@ -59,6 +59,7 @@ class MeshLab:
         self.more = environment or {}
         self._folder = tempfile.TemporaryDirectory(prefix="gui-")  # short: a socket's path has at most 107 characters
         self._processes, self._socket, self._received = [], None, b""
+        self._filter = None  # whose dialog was opened last
 
     def __enter__(self):
         try:
@@ -199,19 +200,23 @@ class MeshLab:
         """Makes a layer the current one, in the layer dialog."""
         self.ask("click cell", text=label)
 
-    def close_dialog(self):
-        """Presses Close in the filter's dialog."""
-        self.click("Close")
-        until(lambda: not any(w["text"] == "Apply" for w in self.widgets()), "the dialog to close")
-
     def open_filter(self, name):
-        """Chooses a filter in the menu and waits for its dialog."""
+        """Chooses a filter in the menu and waits for its dialog, which start(), set() and close_dialog() then mean."""
         self.trigger(name)
-        until(lambda: any(w["text"] == "Apply" and w["enabled"] for w in self.widgets()), f"the dialog of {name}")
+        until(lambda: self._has_dialog(name), f"the dialog of {name}")
+        self._filter = name
+
+    def _has_dialog(self, name):
+        return any(w["text"] == "Apply" and w["window"] == name and w["enabled"] for w in self.widgets())
 
     def start(self):
         """Presses Apply."""
-        self.click("Apply")
+        self.click("Apply", window=self._filter)
+
+    def close_dialog(self):
+        """Presses Close in the filter's dialog."""
+        self.click("Close", window=self._filter)
+        until(lambda: not self._has_dialog(self._filter), "the dialog to close")
 
     def wait_for_end(self, log_before):
         """Waits until a filter has ended; returns the text of the message box when it failed, else None.
@@ -230,9 +235,9 @@ class MeshLab:
     def set(self, label, value):
         """Fills in the field beside a label of the filter's dialog: text, an entry of a choice, or True and False."""
         try:
-            self.ask("set", label=label, value=value)
+            self.ask("set", label=label, window=self._filter, value=value)
         except GuiError:  # a check box bears its label itself
-            self.ask("set", **{"class": "QCheckBox", "text": label, "value": value})
+            self.ask("set", **{"class": "QCheckBox", "text": label, "window": self._filter, "value": value})
 
     def apply(self, name, **fields):
         """Opens a filter, fills in fields (their labels, with _ for blanks), presses Apply, waits until it has finished.

@@ -108,16 +108,17 @@ QWidget* findWidget(const QJsonObject& command) {
     if (!widget->inherits(type.constData())) continue;
     if (command.contains("text") && textOf(widget) != text) continue;
     if (command.contains("tooltip") && plain(widget->toolTip()) != tooltip) continue;
+    if (command.contains("window") && plain(widget->window()->windowTitle()) != command["window"].toString()) continue;
     if (skip-- == 0) return widget;
   }
   return nullptr;
 }
 
-/// The first field to the right of this label, on its height and in its window.
-QWidget* fieldOf(const QString& label) {
+/// The first field to the right of this label, on its height and in its window, which has this title.
+QWidget* fieldOf(const QString& label, const QString& window) {
   const QWidgetList widgets = visibleWidgets();
   for (const QWidget* l : widgets) {
-    if (!l->inherits("QLabel") || textOf(l) != label) continue;
+    if (!l->inherits("QLabel") || textOf(l) != label || plain(l->window()->windowTitle()) != window) continue;
     const QPoint at = l->mapToGlobal(l->rect().center());
     QWidget* best = nullptr;
     for (QWidget* w : widgets) {
@@ -233,7 +234,8 @@ QJsonObject answer(const QJsonObject& command) {
   if (what == "click cell")
     return clickCell(command["text"].toString()) ? QJsonObject{} : QJsonObject{{"error", "no such cell"}};
   if (what == "click" || what == "set") {
-    QWidget* widget = command.contains("label") ? fieldOf(command["label"].toString()) : findWidget(command);
+    QWidget* widget = command.contains("label") ? fieldOf(command["label"].toString(), command["window"].toString())
+                                                : findWidget(command);
     if (widget == nullptr) return {{"error", "no such widget"}};
     if (what == "set") return set(widget, command["value"]);
     click(widget);

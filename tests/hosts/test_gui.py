@@ -1,0 +1,79 @@
+"""MeshLab 2020.09's GUI: what a user meets. Pictures are kept in build/test-results/screenshots/."""
+import pytest
+
+from gui import GuiError, until
+
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM = (
+    "Spherical parameterise root", "Propagate parameterisation to layers", "Remesh by icosphere",
+    "Evaluate spherical parameterisation", "Show parameterisation as sphere layers", "Beating ventricle phantom")
+
+
+def ready(gui, count):
+    until(lambda: len(gui.layers()) == count, f"{count} layers")
+
+
+def names(gui):
+    return [label.removesuffix(" *").removesuffix("*").strip() for label in gui.layers()]
+
+
+def test_the_whole_job(meshlab, surfaces):
+    with meshlab(*surfaces[:3]) as gui:
+        ready(gui, 3)
+        menus = {(e["menu"], e["text"]) for e in gui.menus()}
+        for menu, name in [("Remeshing, Simplification and Reconstruction", ROOT), ("Mesh Layer", ROOT),
+                           ("Remeshing, Simplification and Reconstruction", PROPAGATE), ("Mesh Layer", PROPAGATE),
+                           ("Remeshing, Simplification and Reconstruction", REMESH),
+                           ("Quality Measure and Computations", EVALUATE), ("Mesh Layer", SPHERES),
+                           ("Create New Mesh Layer", PHANTOM)]:
+            assert (menu, name) in menus
+
+        gui.open_filter(ROOT)
+        texts = [w["text"] for w in gui.widgets()]
+        assert any("certified valid" in t for t in texts)  # what the filter is
+        assert "Initial map" in texts and "Area weight" in texts
+        choices = next(w for w in gui.widgets() if w.get("items") and "Brechbuehler" in w["items"])
+        assert choices["items"] == ["Automatic", "Brechbuehler", "Harmonic"] and choices["text"] == "Automatic"
+        assert not any("Preview" in t for t in texts)
+        gui.picture("1-root-dialog")
+
+        assert "ventricle_2.ply" in gui.apply(ROOT, Initial_map="Brechbuehler")
+        added = gui.apply(PROPAGATE, Method="As published")
+        assert added.count("0 flipped faces") == 3
+        gui.picture("2-propagated")
+        gui.apply(REMESH)
+        assert names(gui) == [f"ventricle_{i}" for i in range(3)] + [f"ventricle_{i} landmarks" for i in range(3)]
+        assert "492 landmarks" in gui.apply(REMESH, Frequency="7")  # replaced, not added
+        assert len(gui.layers()) == 6
+        gui.apply(SPHERES)
+        assert len(gui.layers()) == 9
+        gui.apply(EVALUATE)
+        gui.picture("3-done")
+
+
+def test_a_failure_is_shown_and_survived(meshlab, surfaces):
+    with meshlab(surfaces[0]) as gui:
+        ready(gui, 1)
+        with pytest.raises(GuiError, match="between 0 and 1"):
+            gui.apply(ROOT, Area_weight="7")
+        gui.picture("message")
+        gui.close_message()
+        assert gui.alive()
+        assert "0 flipped faces" in gui.apply(ROOT, Area_weight="1")
+
+
+def test_clicks_while_a_filter_runs(meshlab, surfaces):
+    """They are ignored: the filter runs once, no layer is closed under it, and MeshLab lives on."""
+    with meshlab(surfaces[0]) as gui:
+        ready(gui, 1)
+        before = gui.log()
+        gui.open_filter(PHANTOM)
+        gui.set(PHANTOM, "Phases", "60")  # each calls the progress bar, whose event loop answers the clicks
+        gui.start(PHANTOM)
+        for _ in range(5):
+            gui.click("Apply", window=PHANTOM)
+        assert "phases of the phantom" not in gui.log()  # all of them met it at work
+        assert gui.wait_for_end(before) is None
+        until(lambda: len(gui.layers()) == 61, "60 new layers")
+        assert gui.log().count("Applied filter") == 1
+        gui.picture("after-many-clicks")
+        assert "0 flipped faces" in gui.apply(ROOT)
