@@ -20,7 +20,7 @@ JOB = [
 # What MeshLab is told first: the layer that was loaded last is the current one, but the root is the first.
 ROOT_IS_THE_FIRST_LAYER = """\
  <filter name="Change the current layer">
-  <Param type="RichMesh" name="layer" value="0" description="Layer Name" tooltip=""/>
+  <Param type="RichMesh" name="layer" value="0"/>
  </filter>
 """
 VARIANTS = {
@@ -50,11 +50,10 @@ def script(changed):
     for name, menu_name, parameters in defaults():
         lines.append(f' <filter name="{menu_name}">\n')
         for p in parameters:
-            p.pop("tooltip", None)
             if (name, p["name"]) in changed:
                 choices = [p[f"enum_val{i}"] for i in range(int(p["enum_cardinality"]))]
                 p["value"] = str(choices.index(changed[name, p["name"]]))
-            order = ["type", "name", "value", "description", *sorted(k for k in p if k.startswith("enum"))]
+            order = ["type", "name", "value", *sorted(k for k in p if k.startswith("enum"))]
             element = xml.Element("Param", {k: p[k] for k in order})
             lines.append("  " + xml.tostring(element, encoding="unicode").replace(" />", "/>") + "\n")
         lines.append(" </filter>\n")

@@ -267,22 +267,29 @@ class MeshLab:
         until(lambda: self.message() is None, "the message box to close")
 
     def save_project(self, path):
-        """File, Save Project As: the project and, beside it, its layers."""
-        self.trigger("Save Project As...")
-        self._answer_dialogs(path)
-        until(lambda: Path(path).exists() and not self._dialogs(), f"{path} to be written")
+        """File, Save Project, with all its files. Where MeshLab asks (2020.09), new layers get "layer 0.ply", ... beside it."""
+        path, new, before = Path(path), 0, len(self.log())
+        title = next(w["text"] for w in self.widgets() if w["class"] == "MainWindow")
+        self.trigger(next(e["text"] for e in self.menus() if e["text"].startswith("Save Project")))
 
-    def _dialogs(self):
-        return [w for w in self.widgets() if "Dialog" in w["class"] and w["class"] not in ("LayerDialog", "MeshlabStdDialog", "FilterDockDialog")]
+        def all_written():  # 2020.09 writes the project first, then its layers, each with a line in the log
+            saved = {line.split(" in ")[0] for line in self.log()[before:].splitlines() if line.startswith("Saved Mesh")}
+            return path.exists() and ("2020.09" not in title or len(saved) == len(self.layers())) and "all"
 
-    def _answer_dialogs(self, path):
-        def asked():
-            try:
-                if any(w["class"] == "QCheckBox" and w["text"] == "Save All Files" for w in self.widgets()):
-                    self.ask("set", **{"class": "QCheckBox", "text": "Save All Files", "value": True})
+        while True:
+            dialog = until(lambda: self._dialog() or all_written(), f"{path} and its layers to be written")
+            if dialog == "all":
+                return
+            if dialog["class"] == "SaveMaskExporterDialog":
+                self.click("OK", window=dialog["text"])
+            elif "Project" in dialog["text"]:
+                self.ask("set", **{"class": "QCheckBox", "text": "Save All Files", "value": True})
                 self.ask("choose file", file=str(path))
-            except GuiError:
-                return False
-            return True
+            else:
+                self.ask("choose file", file=str(path.parent / f"layer {new}.ply"))
+                new += 1
+            until(lambda: self._dialog() != dialog, f"the dialog {dialog['text']} to close")
 
-        until(asked, "the file dialog")
+    def _dialog(self):
+        """The file dialog or save mask dialog that is open."""
+        return next((w for w in self.widgets() if w["class"] in ("QFileDialog", "SaveMaskExporterDialog")), None)

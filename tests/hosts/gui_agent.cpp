@@ -15,6 +15,7 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QDialog>
+#include <QDockWidget>
 #include <QFileDialog>
 #include <QJsonArray>
 #include <QJsonDocument>
@@ -51,6 +52,14 @@ QString textOf(const QWidget* widget) {
   return widget->isWindow() ? plain(widget->windowTitle()) : QString();
 }
 
+/// The window or the dock that a widget is in: a filter's dialog is a dock, which may lie in the main window.
+QWidget* frameOf(const QWidget* widget) {
+  for (QWidget* w = const_cast<QWidget*>(widget); w != nullptr; w = w->parentWidget())
+    if (w->isWindow() || qobject_cast<QDockWidget*>(w) != nullptr) return w;
+  return widget->window();
+}
+QString titleAround(const QWidget* widget) { return plain(frameOf(widget)->windowTitle()); }
+
 QWidgetList visibleWidgets() {
   QWidgetList found;
   for (QWidget* widget : QApplication::allWidgets())
@@ -69,7 +78,7 @@ QJsonObject describe(const QWidget* widget) {
                 {"text", textOf(widget)},
                 {"tooltip", plain(widget->toolTip())},
                 {"enabled", widget->isEnabled()},
-                {"window", plain(widget->window()->windowTitle())}};
+                {"window", titleAround(widget)}};
   if (const auto* button = qobject_cast<const QAbstractButton*>(widget)) o["checked"] = button->isChecked();
   if (const auto* box = qobject_cast<const QComboBox*>(widget)) {
     QJsonArray items;
@@ -108,21 +117,24 @@ QWidget* findWidget(const QJsonObject& command) {
     if (!widget->inherits(type.constData())) continue;
     if (command.contains("text") && textOf(widget) != text) continue;
     if (command.contains("tooltip") && plain(widget->toolTip()) != tooltip) continue;
-    if (command.contains("window") && plain(widget->window()->windowTitle()) != command["window"].toString()) continue;
+    if (command.contains("window") && titleAround(widget) != command["window"].toString()) continue;
     if (skip-- == 0) return widget;
   }
   return nullptr;
 }
 
-/// The first field to the right of this label, on its height and in its window, which has this title.
+/// The first field to the right of this label, which may go on with a remark in brackets; on its height and in its
+/// window, which has this title.
 QWidget* fieldOf(const QString& label, const QString& window) {
   const QWidgetList widgets = visibleWidgets();
   for (const QWidget* l : widgets) {
-    if (!l->inherits("QLabel") || textOf(l) != label || plain(l->window()->windowTitle()) != window) continue;
+    const QString text = textOf(l);
+    if (!l->inherits("QLabel") || (text != label && !text.startsWith(label + " (")) || titleAround(l) != window)
+      continue;
     const QPoint at = l->mapToGlobal(l->rect().center());
     QWidget* best = nullptr;
     for (QWidget* w : widgets) {
-      if (w->window() != l->window()) continue;
+      if (frameOf(w) != frameOf(l)) continue;
       if (!w->inherits("QLineEdit") && !w->inherits("QComboBox") && !w->inherits("QCheckBox")) continue;
       const QRect place(w->mapToGlobal(QPoint(0, 0)), w->size());
       if (place.left() < at.x() || place.top() > at.y() || place.bottom() < at.y()) continue;
