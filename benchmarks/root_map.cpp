@@ -10,6 +10,7 @@
 //   --unit 0|1        also time the unit u (default 1)
 //   --save FILE       write the mesh, with its map as px, py, pz
 //   --measure         the file already has a map: measure that one
+//   --progress        print how far it says it is, and the CPU seconds until then
 //   --make FILE       write the mesh without a map and do no more
 
 #include <sys/resource.h>
@@ -87,7 +88,7 @@ PlyMesh meshOf(const std::string& name) {
 struct Options {
   RootMapParameters parameters;
   int repeat = 1;
-  bool unit = true, measure = false;
+  bool unit = true, measure = false, progress = false;
   std::string save, make;
 };
 
@@ -103,7 +104,9 @@ void run(const std::string& name, const Options& options) {
     for (int i = options.repeat > 1 ? -1 : 0; i < options.repeat; ++i) {
       const double start = cpuSeconds();
       const Stopwatch stopwatch;
-      const RootMapResult result = makeRootMap(surface, options.parameters);
+      const RootMapResult result = makeRootMap(surface, options.parameters, [&](double fraction) {
+        if (options.progress) std::printf("  %5.1f %% after %.3f s\n", 100 * fraction, cpuSeconds() - start);
+      });
       const double seconds = stopwatch.seconds(), used = cpuSeconds() - start;
       if (i <= 0 || used < cpu) cpu = used;
       if (i <= 0 || seconds < wall) wall = seconds;
@@ -154,6 +157,8 @@ int main(const std::vector<std::string>& arguments) {
       options.save = value();
     } else if (word == "--make") {
       options.make = value();
+    } else if (word == "--progress") {
+      options.progress = true;
     } else if (word == "--measure") {
       options.measure = true;
     } else {

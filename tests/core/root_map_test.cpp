@@ -171,6 +171,48 @@ TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
   }
 }
 
+/// A blob of 642 vertices and what scans, label images and careless tools make of it.
+std::vector<NamedMesh> spoiltMeshes() {
+  const Mesh smooth = blob(8, 0, 3);
+  std::vector<NamedMesh> meshes{{"noise of 0.7 edge lengths", blob(8, 0.7, 3)},
+                                {"stretched by 100", stretched(smooth, 100, 1, 1)},
+                                {"flattened", stretched(smooth, 1, 1, 1e-12)},
+                                {"tiny", stretched(smooth, 1e-30, 1e-30, 1e-30)},
+                                {"huge", stretched(smooth, 1e30, 1e30, 1e30)}};
+  Mesh coarse = smooth;
+  coarse.vertices = (coarse.vertices.array() * 4).round() / 4;
+  meshes.push_back({"on a coarse grid", coarse});
+  Mesh asFloat = smooth;
+  asFloat.vertices = (1e-30 * smooth.vertices).cast<float>().cast<double>();
+  meshes.push_back({"tiny, stored as float", asFloat});
+  Mesh split = smooth;  // every tenth face is cut at the middle of an edge, so that a face there has no area
+  const Eigen::Index faces = smooth.faces.rows(), vertices = smooth.vertices.rows(), cuts = faces / 10;
+  split.vertices.conservativeResize(vertices + cuts, 3);
+  split.faces.conservativeResize(faces + 2 * cuts, 3);
+  for (Eigen::Index i = 0; i < cuts; ++i) {
+    const Eigen::RowVector3i f = smooth.faces.row(10 * i);
+    const int middle = static_cast<int>(vertices + i);
+    split.vertices.row(middle) = 0.5 * (smooth.vertices.row(f[0]) + smooth.vertices.row(f[1]));
+    split.faces.row(10 * i) << f[0], f[1], middle;  // no area
+    split.faces.row(faces + 2 * i) << f[1], f[2], middle;
+    split.faces.row(faces + 2 * i + 1) << f[2], f[0], middle;
+  }
+  meshes.push_back({"faces without area", split});
+  return meshes;
+}
+
+TEST(RootMap, OfSpoiltMeshes) {
+  for (const NamedMesh& named : spoiltMeshes()) {
+    const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
+    const RootMapResult result = makeRootMap(surface);  // valid by type
+    EXPECT_EQ(result.note, "") << named.name;
+    const MapMeasures measures = measureMap(surface, result.map.positions());
+    EXPECT_TRUE(measures.certificate.valid()) << named.name;
+    EXPECT_LT(measures.areaRatioSd, 0.1) << named.name;
+    EXPECT_LT(measures.areaLogMean, 0.1) << named.name;
+  }
+}
+
 TEST(RootMap, RefusesAWeightOutsideItsRange) {
   const Mesh mesh = icosahedron();
   const ClosedSurface surface(mesh.vertices, mesh.faces);

@@ -61,9 +61,8 @@ double AreaMinimiser::energy(const AreaEnergyWeights& weights, const Points& pos
 }
 
 double AreaMinimiser::step(const AreaStepParameters& parameters, Points& positions) {
-  const double before = energy(parameters.weights, positions);
+  const double before = expandFaces(parameters, positions);
   if (!std::isfinite(before)) return 1;
-  expandFaces(parameters, positions);
   assemble(positions);
   const double promised = solve(parameters);
   constexpr int halvings = 14;
@@ -83,13 +82,16 @@ double AreaMinimiser::step(const AreaStepParameters& parameters, Points& positio
   return least / before;
 }
 
-void AreaMinimiser::expandFaces(const AreaStepParameters& parameters, const Points& positions) {
-  pool_->forRanges(rings_.faceCount(), [&](int begin, int end) {
+/// Returns the energy; not a number where a face has no solid angle.
+double AreaMinimiser::expandFaces(const AreaStepParameters& parameters, const Points& positions) {
+  return pool_->sum(rings_.faceCount(), [&](int begin, int end) {
+    double sum = 0;
     for (int f = begin; f < end; ++f) {
       const auto p = cornersOf(rings_.faces, positions, f);
       std::array<std::array<Vector3, 2>, 3> frame;
       for (int k = 0; k < 3; ++k) tangentFrame(p[k], frame[k][0], frame[k][1]);
       const FaceExpansion e = expandFaceEnergy(targets_[f], parameters.weights, p, frame);
+      sum += e.energy;
       solidAngle_[f] = e.solidAngle;
       FaceTerms& terms = terms_[f];
       terms.slope = static_cast<float>(e.slope);
@@ -105,6 +107,7 @@ void AreaMinimiser::expandFaces(const AreaStepParameters& parameters, const Poin
         terms.tie[k] = static_cast<float>(e.tie[k] + parameters.damping * std::clamp(cotangent, 0.005, 10.0));
       }
     }
+    return sum;
   });
 }
 

@@ -58,7 +58,7 @@ class AreaMinimiser {
     std::array<float, 3> tie;  ///< with the damping's
   };
 
-  void expandFaces(const AreaStepParameters& parameters, const Points& positions);
+  double expandFaces(const AreaStepParameters& parameters, const Points& positions);
   void assemble(const Points& positions);
   Block coupling(int c, bool forward) const;
   double multiply(const std::vector<Tangent2>& x);

@@ -44,7 +44,7 @@ class Refinement {
   }
 
   HierarchicalResult run(const Progress& progress) {
-    const std::vector<int> rounds = simplify(*mesh_, pool_, part(progress, 0, 0.2));
+    const std::vector<int> rounds = simplify(*mesh_, pool_, part(progress, 0, 0.12));
     layTetrahedron();
     double next = 6;
     for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
@@ -53,10 +53,10 @@ class Refinement {
       if (n >= next && n < mesh_->allVertices()) {
         improve(weightsAt(n), n < coarse ? 30 : n < 10 * coarse ? 10 : 3);
         next = (n < coarse ? coarseRatio : levelRatio) * n;
-        report(progress, 0.2 + 0.4 * n / mesh_->allVertices());
+        report(progress, 0.12 + 0.36 * n / mesh_->allVertices());
       }
     }
-    finish(part(progress, 0.6, 1));
+    finish(part(progress, 0.48, 1));
     return std::move(result_);
   }
 
