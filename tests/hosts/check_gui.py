@@ -7,6 +7,7 @@ scripts/check-gui builds what this needs and names it:
 """
 import os
 import shutil
+import tempfile
 import time
 import xml.etree.ElementTree as xml
 from pathlib import Path
@@ -27,8 +28,9 @@ FILTERS = {  # menu entry -> menus that show it
     "Evaluate spherical parameterisation": {"Quality Measure and Computations"},
     "Show parameterisation as sphere layers": {"Mesh Layer"},
     "Colour by spherical parameterisation": {"Color Creation and Processing", "Quality Measure and Computations"},
+    "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
 }
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR = list(FILTERS)[1:]
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:]
 PHASES = [f"ventricle {i}" for i in range(5)]
 
 
@@ -43,17 +45,18 @@ def start(tmp_path):
     def started(*files):
         home = tmp_path / "home"
         folder = home / "data/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07"
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         shutil.copy(os.environ["GUI_PLUGIN"], folder)
         return MeshLab(os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES)
     return started
 
 
 @pytest.fixture
-def sample(tmp_path):
-    """A copy of the sample project, so that the original stays as it is."""
-    shutil.copytree(SAMPLE, tmp_path / "sample")
-    return tmp_path / "sample/ventricle.mlp"
+def sample():
+    """A copy of the sample project, so that the original stays as it is. Pictures show its path, which is therefore a short one."""
+    with tempfile.TemporaryDirectory(prefix="sample-") as folder:
+        shutil.copytree(SAMPLE, folder, dirs_exist_ok=True)
+        yield Path(folder) / "ventricle.mlp"
 
 
 def labels(gui):
@@ -102,6 +105,7 @@ def test_the_main_job(start, sample):
         gui.picture("2-root-dialog")
         assert "0 flipped faces" in gui.apply(ROOT)
         gui.open_filter(PROPAGATE)
+        gui.set("Order", "Cyclic time")
         gui.picture("3-propagation-dialog")
         assert gui.apply(PROPAGATE, Order="Cyclic time").count("0 flipped faces") == 5
         gui.apply(SPHERES, Beside_the_surfaces=True)
@@ -133,8 +137,30 @@ def test_the_main_job(start, sample):
     assert layers["ventricle 2"].face_scalar_array().std() > 2 * layers["ventricle 0"].face_scalar_array().std()  # the root's is the least
 
 
-def test_the_finished_sample_opens(start):
-    with start(SAMPLE / "finished/finished.mlp") as gui:
+def test_the_shape_model(start, sample):
+    with start(sample) as gui:
+        gui.choose_layer("ventricle 0")
+        gui.apply(ROOT)
+        gui.apply(PROPAGATE, Order="Cyclic time")
+        gui.apply(REMESH)
+        assert "mode 1: standard deviation" in gui.apply(MODEL, Modes_shown="1")
+        made = ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd"]
+        assert labels(gui)[-3:] == made
+        ms, layers = saved(gui, sample.parent / "model.mlp")
+    faces = layers["ventricle 0 landmarks"].face_matrix()
+    assert all(np.array_equal(layers[name].face_matrix(), faces) for name in made)
+    project = xml.parse(sample.parent / "model.mlp")  # again, one layer alone to be seen
+    for mesh in project.getroot().findall(".//MLMesh"):
+        mesh.set("visible", str(int(mesh.get("label") == made[-1])))
+    project.write(sample.parent / "model.mlp")
+    with start(sample.parent / "model.mlp") as gui:
+        gui.fill_screen()
+        gui.choose_layer(made[-1])
+        show(gui, "12-model")
+
+
+def test_the_finished_sample_opens(start, sample):
+    with start(sample.parent / "finished/finished.mlp") as gui:
         assert labels(gui) == PHASES + [p + " landmarks" for p in PHASES] + ["ventricle 0 sphere"]
         gui.fill_screen()
         show(gui, "9-finished")
