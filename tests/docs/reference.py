@@ -31,7 +31,7 @@ HEAD = """\
 
 All filters with all parameters, as the plugin itself describes them: `scripts/make-reference` writes this page, and a test compares it
 with the plugin. A parameter that is not given has its default. In Python, a choice is given by its text, a layer by its number.
-[When something goes wrong](errors.md) says what their messages mean.
+The [tutorial](tutorial.md) says how they work together, [When something goes wrong](errors.md) what their messages mean.
 
 | menu entry | in Python | menus |
 | --- | --- | --- |
