@@ -51,6 +51,11 @@ class MapError : public Error {
   long first;  ///< index of the first of them; -1 where none can be named
 };
 
+/// A label volume cannot be read, or holds no surface.
+class VolumeError : public Error {
+  using Error::Error;
+};
+
 /// A file cannot be written; nothing was changed in what was there before.
 class ExportError : public Error {
   using Error::Error;

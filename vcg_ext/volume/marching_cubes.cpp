@@ -48,7 +48,7 @@ constexpr Tables tables;
 
 class Marcher {
  public:
-  Marcher(const ScalarGrid& grid, double isoValue) : grid_(grid), isoValue_(isoValue) {
+  Marcher(const ScalarGrid& grid, double isoValue, FaceRule rule) : grid_(grid), isoValue_(isoValue), rule_(rule) {
     const size_t slice = static_cast<size_t>(grid.size[0] + 2) * static_cast<size_t>(grid.size[1] + 2);
     for (auto& plane : vertexAt_) plane.assign(3 * slice, -1);
   }
@@ -116,7 +116,8 @@ class Marcher {
     const auto in = [&](size_t m) { return inside_[static_cast<size_t>(corners[m % 4])]; };
     const auto at = [&](size_t m) { return values_[static_cast<size_t>(corners[m % 4])]; };
     const bool ambiguous = in(0) == in(2) && in(1) == in(3) && in(0) != in(1);
-    const bool joined = ambiguous && at(in(0) ? 0 : 1) * at(in(0) ? 2 : 3) > at(in(0) ? 1 : 0) * at(in(0) ? 3 : 2);
+    const bool joined = ambiguous && rule_ == FaceRule::AsymptoticDecider &&
+                        at(in(0) ? 0 : 1) * at(in(0) ? 2 : 3) > at(in(0) ? 1 : 0) * at(in(0) ? 3 : 2);
     for (size_t m = 0; m < 4; ++m) {
       if (in(m) || !in(m + 1)) continue;  // not entering between corners m and m + 1
       size_t leaving = m + 1;
@@ -191,6 +192,7 @@ class Marcher {
 
   const ScalarGrid& grid_;
   double isoValue_;
+  FaceRule rule_;
   // The vertices on the edges that start in the lower and the upper plane of the cells at hand: 3 axes per grid point.
   std::array<std::vector<int>, 2> vertexAt_;
   std::vector<Vector3> points_;
@@ -204,7 +206,7 @@ class Marcher {
 
 }  // namespace
 
-IsoSurface marchingCubes(const ScalarGrid& grid, double isoValue) {
+IsoSurface marchingCubes(const ScalarGrid& grid, double isoValue, FaceRule rule) {
   size_t count = 1;
   for (int axis = 0; axis < 3; ++axis) count *= static_cast<size_t>(std::max(grid.size[axis], 0));
   const bool sound = grid.size.minCoeff() > 0 && grid.values.size() == count && grid.spacing.minCoeff() > 0 &&
@@ -217,7 +219,7 @@ IsoSurface marchingCubes(const ScalarGrid& grid, double isoValue) {
         << ", and the iso value is " << isoValue << ".";
     throw ParameterError(text.str());
   }
-  return Marcher(grid, isoValue).run();
+  return Marcher(grid, isoValue, rule).run();
 }
 
 IsoSurface largestPart(const IsoSurface& surface) {

@@ -1,0 +1,319 @@
+// S. P. Raya, J. K. Udupa, Shape-based interpolation of multidimensional objects, 1990.
+
+#include "vcg_ext/volume/slice_interpolation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/volume/distance_transform.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr int margin = 4;            // samples of the working grid round the labels
+constexpr double largestGrid = 2e8;  // samples
+constexpr double anisotropy = 1.5;
+// How much smaller one of the slices beside a gap may be: far apart, they differ more.
+constexpr double leastShareAcross = 0.1, leastShareInSpace = 0.5;
+
+/// What is inside, cut out of the labels, its slices along the last axis.
+struct Stack {
+  Mask mask;
+  Vector3 spacing = Vector3::Ones();
+  Eigen::Vector3i first = Eigen::Vector3i::Zero();  // the index of voxel (0, 0, 0) in the labels, in the stack's axes
+  Eigen::Matrix4d toWorld = Eigen::Matrix4d::Identity();  // from index times spacing, in the stack's axes
+  long voxels = 0;
+};
+
+std::string listOf(const std::vector<std::int32_t>& labels) {
+  std::string text;
+  for (const std::int32_t label : labels) text += (text.empty() ? "" : ", ") + std::to_string(label);
+  return (labels.size() == 1 ? "label " : "labels ") + text;
+}
+
+[[noreturn]] void throwNoLabel(const LabelGrid& grid, const std::vector<std::int32_t>& labels) {
+  std::string found;
+  int listed = 0;
+  const auto counts = grid.count();
+  for (const auto& [label, count] : counts)
+    if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label);
+  if (listed > 10) found += " and " + std::to_string(listed - 10) + " more";
+  throw VolumeError("No voxel has the " + listOf(labels) +
+                    (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
+}
+
+/// pad: empty voxels to be left round the labels, along the stack's axes, for a margin in mm.
+Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, double room) {
+  const std::vector<std::int32_t> wanted = [&] {
+    std::vector<std::int32_t> sorted = labels;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }();
+  const auto inside = [&](std::int32_t label) {
+    return wanted.size() == 1 ? label == wanted[0] : std::binary_search(wanted.begin(), wanted.end(), label);
+  };
+  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
+  Stack stack;
+  for (int k = 0; k < grid.size[2]; ++k)
+    for (int j = 0; j < grid.size[1]; ++j) {
+      const std::int32_t* row = grid.labels.data() + grid.index(0, j, k);
+      for (int i = 0; i < grid.size[0]; ++i) {
+        if (!inside(row[i])) continue;
+        ++stack.voxels;
+        low = low.cwiseMin(Eigen::Vector3i(i, j, k));
+        high = high.cwiseMax(Eigen::Vector3i(i, j, k));
+      }
+    }
+  if (stack.voxels == 0) throwNoLabel(grid, labels);
+
+  const Vector3 spacing = grid.spacing();
+  int last = 2;  // the slices' axis
+  for (const int axis : {1, 0})
+    if (spacing[axis] > spacing[last] * (1 + 1e-6)) last = axis;
+  const std::array<int, 3> axes{(last + 1) % 3, (last + 2) % 3, last};
+  Eigen::Vector3i padded;
+  for (int a = 0; a < 3; ++a) {
+    const int axis = axes[static_cast<size_t>(a)];
+    const int pad = static_cast<int>(std::ceil(room / spacing[axis])) + 1;
+    stack.spacing[a] = spacing[axis];
+    stack.first[a] = low[axis] - pad;
+    padded[a] = high[axis] - low[axis] + 1 + 2 * pad;
+    stack.toWorld.col(a) = grid.toWorld.col(axis) / spacing[axis];
+  }
+  stack.toWorld.col(3) = grid.toWorld.col(3);
+  stack.mask = Mask(padded);
+  Eigen::Vector3i at;
+  for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
+    for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
+      for (at[0] = low[0]; at[0] <= high[0]; ++at[0])
+        if (inside(grid.labels[grid.index(at[0], at[1], at[2])]))
+          stack.mask(at[axes[0]] - stack.first[0], at[axes[1]] - stack.first[1], at[axes[2]] - stack.first[2]) = 1;
+  return stack;
+}
+
+/// The slices with a label, and which of the empty ones between them are to be interpolated.
+struct Slices {
+  struct Run {
+    int first, last;        // of slices that hang together
+    std::vector<int> used;  // those with a label
+  };
+  std::vector<Run> runs;
+  int interpolated = 0;
+};
+
+Slices slicesOf(const Mask& mask, int longestGap, double leastShare) {
+  Slices slices;
+  long before = 0;
+  const size_t slice = mask.index(0, 0, 1);
+  for (int k = 0; k < mask.size[2]; ++k) {
+    const auto begin = mask.inside.begin() + static_cast<std::ptrdiff_t>(slice) * k;
+    const long count = std::count(begin, begin + static_cast<std::ptrdiff_t>(slice), std::uint8_t{1});
+    if (count == 0) continue;
+    const int gap = slices.runs.empty() ? 0 : k - slices.runs.back().last - 1;
+    const bool comparable =
+        static_cast<double>(std::min(count, before)) >= leastShare * static_cast<double>(std::max(count, before));
+    if (slices.runs.empty() || gap > longestGap || (gap > 0 && !comparable)) {
+      slices.runs.push_back({k, k, {k}});
+    } else {
+      slices.runs.back().last = k;
+      slices.runs.back().used.push_back(k);
+      slices.interpolated += gap;
+    }
+    before = count;
+  }
+  return slices;
+}
+
+/// Where a sample lies between the voxels of one axis.
+struct Between {
+  int voxel;
+  float weight;  // of the next one
+};
+
+Between between(double position, int count) {
+  const int voxel = std::clamp(static_cast<int>(std::floor(position)), 0, std::max(count - 2, 0));
+  return {voxel, static_cast<float>(std::clamp(position - voxel, 0.0, 1.0))};
+}
+
+/// Values along one line, given at increasing whole positions, as a smooth function without new extremes.
+class MonotoneCubic {
+ public:
+  void set(const std::vector<int>& positions, const std::vector<float>& values) {
+    positions_ = &positions;
+    values_ = values;
+    const size_t n = positions.size();
+    slopes_.assign(n, 0);
+    if (n < 2) return;
+    const auto step = [&](size_t i) { return static_cast<float>(positions[i + 1] - positions[i]); };
+    const auto secant = [&](size_t i) { return (values_[i + 1] - values_[i]) / step(i); };
+    slopes_[0] = secant(0);
+    slopes_[n - 1] = secant(n - 2);
+    for (size_t i = 1; i + 1 < n; ++i) {
+      const float a = secant(i - 1), b = secant(i);
+      if (a * b <= 0) continue;
+      const float wa = 2 * step(i) + step(i - 1), wb = step(i) + 2 * step(i - 1);
+      slopes_[i] = (wa + wb) / (wa / a + wb / b);
+    }
+  }
+  /// Constant beyond both ends.
+  float operator()(double x) const {
+    const std::vector<int>& p = *positions_;
+    if (x <= p.front()) return values_.front();
+    if (x >= p.back()) return values_.back();
+    const auto i = static_cast<size_t>(std::upper_bound(p.begin(), p.end(), x) - p.begin()) - 1;
+    const auto h = static_cast<float>(p[i + 1] - p[i]);
+    const float t = static_cast<float>(x - p[i]) / h, s = 1 - t;
+    return s * s * ((1 + 2 * t) * values_[i] + t * h * slopes_[i]) +
+           t * t * ((1 + 2 * s) * values_[i + 1] - s * h * slopes_[i + 1]);
+  }
+
+ private:
+  const std::vector<int>* positions_ = nullptr;
+  std::vector<float> values_, slopes_;
+};
+
+/// A grid of cubes that holds the stack's labels with the margin, aligned with its first voxel.
+ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eigen::Vector3i& high, double h) {
+  const Vector3 from = low.cast<double>().cwiseProduct(stack.spacing),
+                to = high.cast<double>().cwiseProduct(stack.spacing);
+  ScalarGrid grid;
+  grid.spacing = Vector3::Constant(h);
+  Eigen::Vector3d size;
+  for (int a = 0; a < 3; ++a) {
+    const double before = std::ceil(stack.spacing[a] / 2 / h) + margin;
+    grid.origin[a] = from[a] - before * h;
+    size[a] = std::ceil((to[a] + stack.spacing[a] / 2 - grid.origin[a]) / h) + margin + 1;
+  }
+  if (!(size.prod() <= largestGrid)) {
+    std::ostringstream text;
+    text << "Working voxels of " << h << " mm are too small here: there would be " << size.prod() << ", the most are "
+         << largestGrid << ". Choose a larger voxel_size.";
+    throw ParameterError(text.str());
+  }
+  grid.size = size.cast<int>();
+  grid.values.resize(grid.index(0, 0, grid.size[2]));
+  return grid;
+}
+
+/// The signed distances of the slices, each sampled on the working grid's x and y.
+std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance, const Stack& stack,
+                                              const ScalarGrid& grid) {
+  const auto nx = static_cast<size_t>(grid.size[0]), ny = static_cast<size_t>(grid.size[1]);
+  std::vector<Between> xs, ys;
+  for (size_t i = 0; i < nx; ++i)
+    xs.push_back(
+        between((grid.origin[0] + static_cast<double>(i) * grid.spacing[0]) / stack.spacing[0], stack.mask.size[0]));
+  for (size_t j = 0; j < ny; ++j)
+    ys.push_back(
+        between((grid.origin[1] + static_cast<double>(j) * grid.spacing[1]) / stack.spacing[1], stack.mask.size[1]));
+  const auto row = static_cast<size_t>(stack.mask.size[0]);
+  std::vector<std::vector<float>> sampled(static_cast<size_t>(stack.mask.size[2]));
+  for (int k = 0; k < stack.mask.size[2]; ++k) {
+    std::vector<float>& values = sampled[static_cast<size_t>(k)];
+    const float* slice = distance.data() + stack.mask.index(0, 0, k);
+    if (!std::isfinite(slice[0])) continue;  // empty
+    values.reserve(nx * ny);
+    for (const Between& y : ys)
+      for (const Between& x : xs) {
+        const float* at = slice + static_cast<size_t>(y.voxel) * row + x.voxel;
+        const float a = at[0] + x.weight * (at[1] - at[0]), b = at[row] + x.weight * (at[row + 1] - at[row]);
+        values.push_back(a + y.weight * (b - a));
+      }
+  }
+  return sampled;
+}
+
+/// Signed distances in the slices, and smoothly from one to the next.
+void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& grid) {
+  const auto sampled = sampledSlices(signedDistance(stack.mask, stack.spacing, 2), stack, grid);
+  std::fill(grid.values.begin(), grid.values.end(), -std::numeric_limits<float>::infinity());
+  const double s = stack.spacing[2];
+  const size_t plane = grid.index(0, 0, 1);
+  MonotoneCubic line;
+  std::vector<float> values;
+  for (const Slices::Run& run : slices.runs)
+    for (size_t column = 0; column < plane; ++column) {
+      values.clear();
+      for (const int k : run.used) values.push_back(sampled[static_cast<size_t>(k)][column]);
+      line.set(run.used, values);
+      for (int z = 0; z < grid.size[2]; ++z) {
+        const double height = grid.origin[2] + z * grid.spacing[2];
+        const double toCap = std::min(height - (run.first - 0.5) * s, (run.last + 0.5) * s - height);
+        float& value = grid.values[column + plane * static_cast<size_t>(z)];
+        value = std::max(value, std::min(line(height / s), static_cast<float>(toCap)));
+      }
+    }
+}
+
+/// Fills the empty slices between others where the shape interpolated between these is.
+void fillGaps(Stack& stack, const Slices& slices) {
+  const std::vector<float> distance = signedDistance(stack.mask, stack.spacing, 2);
+  const size_t plane = stack.mask.index(0, 0, 1);
+  for (const Slices::Run& run : slices.runs)
+    for (size_t u = 0; u + 1 < run.used.size(); ++u)
+      for (int k = run.used[u] + 1; k < run.used[u + 1]; ++k) {
+        const float t = static_cast<float>(k - run.used[u]) / static_cast<float>(run.used[u + 1] - run.used[u]);
+        for (size_t i = 0; i < plane; ++i) {
+          const float a = distance[plane * static_cast<size_t>(run.used[u]) + i];
+          const float b = distance[plane * static_cast<size_t>(run.used[u + 1]) + i];
+          stack.mask.inside[plane * static_cast<size_t>(k) + i] = a + t * (b - a) > 0;
+        }
+      }
+}
+
+/// Signed distances in space.
+void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
+  const auto sampled = [&] { return sampledSlices(signedDistance(stack.mask, stack.spacing), stack, grid); }();
+  const size_t plane = grid.index(0, 0, 1);
+  for (int z = 0; z < grid.size[2]; ++z) {
+    const Between at = between((grid.origin[2] + z * grid.spacing[2]) / stack.spacing[2], stack.mask.size[2]);
+    const std::vector<float>&a = sampled[static_cast<size_t>(at.voxel)],
+          &b = sampled[static_cast<size_t>(at.voxel) + 1];
+    for (size_t i = 0; i < plane; ++i)
+      grid.values[plane * static_cast<size_t>(z) + i] = a[i] + at.weight * (b[i] - a[i]);
+  }
+}
+
+}  // namespace
+
+InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpolationParameters& parameters) {
+  labels.check();
+  if (parameters.labels.empty()) throw ParameterError("Label volume: no label was given.");
+  if (!(parameters.voxelSize >= 0) || !std::isfinite(parameters.voxelSize))
+    throw ParameterError("Label volume: voxel_size must be 0 (the smallest spacing of the file) or more.");
+  if (parameters.longestGap < 0) throw ParameterError("Label volume: the longest gap must be 0 slices or more.");
+  const double h = parameters.voxelSize > 0 ? parameters.voxelSize : labels.spacing().minCoeff();
+  Stack stack = stackOf(labels, parameters.labels, (margin + 2) * h);
+
+  InterpolatedLabels result;
+  result.labelVolume = static_cast<double>(stack.voxels) * labels.voxelVolume();
+  result.betweenSlices = stack.spacing[2] >= anisotropy * stack.spacing.head<2>().minCoeff();
+  const Slices slices =
+      slicesOf(stack.mask, parameters.longestGap, result.betweenSlices ? leastShareAcross : leastShareInSpace);
+  result.interpolatedSlices = slices.interpolated;
+  // In the stack's own indices; the matrix takes care of where it begins.
+  Eigen::Vector3i low = stack.mask.size, high = Eigen::Vector3i::Zero();
+  for (int k = 0; k < stack.mask.size[2]; ++k)
+    for (int j = 0; j < stack.mask.size[1]; ++j)
+      for (int i = 0; i < stack.mask.size[0]; ++i)
+        if (stack.mask(i, j, k) != 0) {
+          low = low.cwiseMin(Eigen::Vector3i(i, j, k));
+          high = high.cwiseMax(Eigen::Vector3i(i, j, k));
+        }
+  result.grid = workingGrid(stack, low, high, h);
+  if (result.betweenSlices) {
+    interpolateAcross(stack, slices, result.grid);
+  } else {
+    if (slices.interpolated > 0) fillGaps(stack, slices);
+    interpolateInSpace(stack, result.grid);
+  }
+  result.toWorld = stack.toWorld;
+  result.toWorld.col(3) += stack.toWorld.leftCols<3>() * stack.first.cast<double>().cwiseProduct(stack.spacing);
+  return result;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,148 @@
+#include "vcg_ext/volume/volume_surface.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/volume/gaussian_smoothing.h"
+#include "vcg_ext/volume/marching_cubes.h"
+
+namespace sphere_propagation {
+namespace {
+
+// In working voxels.
+constexpr float band = 3;          // distances count up to here: what is farther says nothing about the surface
+constexpr float corrected = 0.5F;  // the distance of a voxel that changed sides
+constexpr float held = 0.25F;      // and of one that smoothing would have changed, but topology does not let
+constexpr float least = 0.02F;     // no vertex closer to a voxel: its faces would be slivers
+constexpr double largestShift = 0.25;
+constexpr int relaxations = 10;
+
+/// The volume of the cells, those at the border counted by the share that lies inside as far as the distance tells.
+double volumeOf(const std::vector<float>& distance, double h) {
+  double sum = 0;
+  for (const float d : distance) sum += std::clamp(static_cast<double>(d) / h + 0.5, 0.0, 1.0);
+  return sum * h * h * h;
+}
+
+/// The value that has so many above it, but not farther from 0 than `limit`.
+float levelWith(const std::vector<float>& values, long above, float limit) {
+  std::vector<float> near;
+  for (const float v : values) {
+    if (v > limit)
+      --above;
+    else if (v >= -limit)
+      near.push_back(v);
+  }
+  if (above <= 0) return limit;
+  if (above >= static_cast<long>(near.size())) return -limit;
+  const auto middle = near.begin() + above;
+  std::nth_element(near.begin(), middle, near.end(), std::greater<>());
+  return *middle;
+}
+
+/// Spreads the vertices within the surface.
+void relax(Points& vertices, const Triangles& faces) {
+  Points sums(vertices.rows(), 3);
+  Eigen::VectorXd valence = Eigen::VectorXd::Zero(vertices.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) valence[faces(f, k)] += 1;
+  for (int i = 0; i < relaxations; ++i) {
+    sums.setZero();
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+      for (int k = 0; k < 3; ++k) sums.row(faces(f, k)) += vertices.row(faces(f, (k + 1) % 3));
+    const Points normals = vertexNormals(vertices, faces);
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+      const Eigen::RowVector3d step = sums.row(v) / valence[v] - vertices.row(v), normal = normals.row(v);
+      vertices.row(v) += 0.5 * (step - step.dot(normal) * normal);
+    }
+  }
+}
+
+/// Moves the surface along its normals until it encloses this volume, or by `limit` at most.
+void restoreVolume(Points& vertices, const Triangles& faces, double volume, double limit) {
+  for (int i = 0; i < 3; ++i) {
+    const double area = faceAreas(vertices, faces).sum();
+    if (!(area > 0)) return;
+    const double step = std::clamp((volume - enclosedVolume(vertices, faces)) / area, -limit, limit);
+    vertices += step * vertexNormals(vertices, faces);
+  }
+}
+
+/// The field of which marching cubes takes the surface: smooth, and with the sign of the mask, which follows it as far
+/// as its topology lets.
+void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviation) {
+  const auto unit = static_cast<float>(h);
+  for (size_t i = 0; i < grid.values.size(); ++i) {
+    const bool in = mask.inside[i] != 0;
+    float& d = grid.values[i];
+    if ((d > 0) != in) d = in ? corrected * unit : -corrected * unit;
+    d = std::clamp(d, -band * unit, band * unit);
+  }
+  if (standardDeviation > 0) {
+    const long inside = std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1});
+    smoothGaussian(grid, standardDeviation);
+    const float level = levelWith(grid.values, inside, static_cast<float>(largestShift) * unit);
+    for (float& d : grid.values) d -= level;
+    moveBySimplePoints(mask, grid.values);
+  }
+  for (size_t i = 0; i < grid.values.size(); ++i) {
+    const bool in = mask.inside[i] != 0;
+    float& d = grid.values[i];
+    if ((d > 0) != in)
+      d = in ? held * unit : -held * unit;
+    else
+      d = in ? std::max(d, least * unit) : std::min(d, -least * unit);
+  }
+}
+
+}  // namespace
+
+VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
+                            const Progress& progress) {
+  if (!(parameters.smoothing >= 0 && parameters.smoothing <= 5))
+    throw ParameterError("Label volume: smoothing must lie between 0 and 5 working voxels.");
+  InterpolatedLabels field = interpolateSlices(labels, parameters.interpolation);
+  ScalarGrid& grid = field.grid;
+  const double h = grid.spacing[0];
+  report(progress, 0.2);
+
+  VolumeSurface result;
+  result.labelVolume = field.labelVolume;
+  result.voxelSize = h;
+  result.interpolatedSlices = field.interpolatedSlices;
+  Mask mask(grid.size);
+  for (size_t i = 0; i < mask.inside.size(); ++i) mask.inside[i] = grid.values[i] > 0;
+  result.workingVoxels = std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1});
+  if (result.workingVoxels == 0)
+    throw VolumeError("The label is so thin that no working voxel of " + std::to_string(h) +
+                      " mm lies inside: choose a smaller voxel_size.");
+  if (parameters.keepLargestComponent) result.dropped = keepLargestPart(mask);
+  if (parameters.fillHoles) result.filledVoxels = fillCavities(mask);
+  if (parameters.cutHandles) result.handles = removeHandles(mask, grid.values, part(progress, 0.2, 0.8));
+
+  std::vector<float> signedDistances = grid.values;
+  for (size_t i = 0; i < signedDistances.size(); ++i)
+    if ((signedDistances[i] > 0) != (mask.inside[i] != 0))
+      signedDistances[i] = static_cast<float>(mask.inside[i] != 0 ? h : -h);
+  const double volume = volumeOf(signedDistances, h);
+  signedDistances = {};
+  smoothField(grid, mask, h, parameters.smoothing);
+  report(progress, 0.9);
+
+  IsoSurface surface = marchingCubes(grid, 0, FaceRule::SeparateInside);
+  relax(surface.vertices, surface.faces);
+  restoreVolume(surface.vertices, surface.faces, volume, largestShift * h);
+  const Eigen::Matrix3d linear = field.toWorld.topLeftCorner<3, 3>();
+  result.vertices =
+      (surface.vertices * linear.transpose()).rowwise() + field.toWorld.topRightCorner<3, 1>().transpose();
+  result.faces = std::move(surface.faces);
+  if (linear.determinant() < 0) result.faces.col(1).swap(result.faces.col(2));
+  result.volume = enclosedVolume(result.vertices, result.faces);
+  report(progress, 1);
+  return result;
+}
+
+}  // namespace sphere_propagation
