@@ -105,8 +105,8 @@ def in_shell(code: str) -> Iterator[str]:
 def messages() -> List[Tuple[str, str]]:
     """All pieces of all messages: list of (file, words)."""
     found = []
-    for folder in ("vcg_ext", "host", "filter_sphere_propagation"):
-        for path in sorted((PROJECT / folder).rglob("*")):
+    for folder in [PROJECT / "vcg_ext", PROJECT / "host", *sorted(PROJECT.glob("filter_*"))]:
+        for path in sorted(folder.rglob("*")):
             if path.suffix in (".h", ".cpp"):
                 writes_a_format = path.name.endswith("_file.cpp")
                 found += [(path, text) for text in in_cpp(path.read_text(), only_errors=writes_a_format)]
