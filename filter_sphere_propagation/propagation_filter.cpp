@@ -142,6 +142,12 @@ class PropagationFilter : public host::Filter {
             .asAdvanced(),
         host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
                         "As published: sweeps that smooth the map over the sphere.", published.smoothingSweeps}
+            .asAdvanced(),
+        host::Parameter{
+            "threads", "Threads",
+            "How many threads work on layers that do not need each other; 0: as many as the machine runs at "
+            "once. The maps are the same with any number.",
+            PropagationParameters{}.threads}
             .asAdvanced()};
   }
 
@@ -165,9 +171,15 @@ class PropagationFilter : public host::Filter {
     parameters.published.anisotropicScaling = task.values.flag("anisotropic_scaling");
     parameters.published.icpIterations = task.values.integer("icp_iterations");
     parameters.published.smoothingSweeps = task.values.integer("smoothing_sweeps");
-    const std::vector<PropagatedLayer> propagated =
-        propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
-    return write(task, sequence, propagated);
+    parameters.threads = task.values.integer("threads");
+    const Propagation propagated = propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+    if (propagated.learnt)
+      task.log(
+          "Learnt from the sequence, variances from layer to layer in units of half the root's mean vertex area: "
+          "translation " +
+          shortNumber(propagated.learnt->translation) + ", strain " + shortNumber(propagated.learnt->strain) +
+          ", rotation " + shortNumber(propagated.learnt->rotation));
+    return write(task, sequence, propagated.layers);
   }
 
  private:
@@ -247,8 +259,10 @@ class PropagationFilter : public host::Filter {
         return timeOrder(count, sequence.root);
       case Order::CyclicTime:
         return cyclicTimeOrder(count, sequence.root);
-      case Order::SimilarityTree:
-        return similarityTree(surfaces, sequence.root).tree;
+      case Order::SimilarityTree: {
+        ThreadPool pool(std::max(0, task.values.integer("threads")));
+        return similarityTree(surfaces, sequence.root, pool).tree;
+      }
       case Order::Star:
         return star(count, sequence.root);
       case Order::Given:

@@ -10,6 +10,8 @@
 namespace sphere_propagation {
 namespace {
 
+ThreadPool pool(2);
+
 using test::Mesh;
 
 /// A lopsided shape that shrinks a little from phase to phase.
@@ -40,7 +42,7 @@ ClosedSurface movedPhase(int phase) { return surfaceOf(test::transformed(phaseOf
 
 TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
   for (const PropagationTree& tree : {timeOrder(6, 2), star(6, 0)})
-    for (const LayerPose& pose : findLayerPoses(sequence(6), tree)) {
+    for (const LayerPose& pose : findLayerPoses(sequence(6), tree, pool)) {
       EXPECT_FALSE(pose.moved);
       EXPECT_FALSE(pose.mirrored);
       EXPECT_EQ(pose.toRoot.rotation, Eigen::Matrix3d::Identity());
@@ -51,7 +53,7 @@ TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
 TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
   std::vector<ClosedSurface> surfaces = sequence(5);
   surfaces[2] = movedPhase(2);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0));
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0), pool);
   for (size_t i : {0, 1, 3, 4}) EXPECT_FALSE(poses[i].moved) << i;
   EXPECT_EQ(poses[3].toRoot.rotation, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(poses[2].moved);
@@ -64,7 +66,7 @@ TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
 TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
   std::vector<ClosedSurface> surfaces = sequence(5);
   for (int i = 2; i < 5; ++i) surfaces[static_cast<size_t>(i)] = movedPhase(i);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0));
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0), pool);
   EXPECT_TRUE(poses[2].moved);
   for (size_t i : {3, 4}) {
     EXPECT_FALSE(poses[i].moved) << i;  // relative to its parent it lies as it should
@@ -78,7 +80,7 @@ TEST(LayerPoses, AMirrorImageIsNamed) {
   mesh.vertices.col(0) *= -1;
   mesh.faces.col(1).swap(mesh.faces.col(2));
   surfaces[1] = surfaceOf(mesh);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, star(3, 0));
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, star(3, 0), pool);
   EXPECT_TRUE(poses[1].mirrored);
   EXPECT_FALSE(poses[2].mirrored);
 }

@@ -9,6 +9,8 @@
 namespace sphere_propagation {
 namespace {
 
+ThreadPool pool(2);
+
 /// An ellipsoid on a mesh of its own for each phase, moved as a whole by `shift` per phase.
 struct Sequence {
   std::vector<ClosedSurface> surfaces;
@@ -31,8 +33,8 @@ TEST(MotionFit, RecoversATranslation) {
   const Sequence sequence(2, Vector3(2, -1, 1), 0);
   const MotionModel model = sequence.model();
   MotionVariances variances{1e-6, 10, 1e-6, 1e-6};
-  const MotionFit fit =
-      fitMotion(model, sequence.surfaces, star(2, 0), {variances.diagonal().cwiseInverse().asDiagonal(), 6});
+  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0),
+                                  {variances.diagonal().cwiseInverse().asDiagonal(), 6}, pool);
   EXPECT_EQ(fit.coefficients[0].norm(), 0);
   const Vector3 found = fit.coefficients[1].segment<3>(MotionModel::localColumns);
   EXPECT_LT((found - Vector3(2, -1, 1)).norm(), 0.1);
@@ -41,7 +43,8 @@ TEST(MotionFit, RecoversATranslation) {
 TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
   const Sequence sequence(6, Vector3(1, 0, 0), 0.3);
   const MotionModel model = sequence.model();
-  const MotionFit fit = fitMotion(model, sequence.surfaces, timeOrder(6, 0), fixedMotionPrior());
+  const MotionFit fit =
+      fitMotion(model, motionTargets(sequence.surfaces, pool), timeOrder(6, 0), fixedMotionPrior(), pool);
   for (int t = 1; t < 6; ++t) {
     const SurfaceLocator locator(sequence.surfaces[t].vertices(), sequence.surfaces[t].faces());
     const Points moved = model.movedNodes(fit.coefficients[t]);
@@ -55,7 +58,7 @@ TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
   const Sequence sequence(2, Vector3(0, 0, 0), 0.2);
   const MotionModel model = sequence.model();
   const MotionPrior prior = fixedMotionPrior();
-  const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0), prior);
+  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
   const ArcEquations& e = fit.equations[1];
   EXPECT_LT((e.matrix - e.matrix.transpose()).norm(), 1e-9 * e.matrix.norm());
   EXPECT_LT(((e.matrix + prior.precision) * fit.coefficients[1] - e.vector).norm(), 1e-8 * e.vector.norm());
@@ -72,7 +75,7 @@ TEST(MotionPrior, TheFixedOneIsDiagonal) {
 TEST(MotionPrior, LearnsThatASequenceTravels) {
   const Sequence staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
   const auto learnt = [](const Sequence& sequence) {
-    return learnMotionPrior(sequence.model(), sequence.surfaces, cyclicTimeOrder(14, 0));
+    return learnMotionPrior(sequence.model(), motionTargets(sequence.surfaces, pool), cyclicTimeOrder(14, 0), pool);
   };
   const LearntPrior still = learnt(staying), moved = learnt(travelling);
   EXPECT_GT(moved.variances.translation, 5 * still.variances.translation);

@@ -9,6 +9,8 @@
 namespace sphere_propagation {
 namespace {
 
+ThreadPool pool(2);
+
 /// A contracting ellipsoid, images of one sphere: the map of each phase is known.
 struct Contraction {
   std::vector<ClosedSurface> surfaces;
@@ -26,14 +28,14 @@ struct Contraction {
     }
   }
   FollowedMotion follow(const PropagationTree& tree) const {
-    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree);
+    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree, pool);
   }
 };
 
 TEST(MotionPropagation, ToTheSameSurfaceIsTheIdentity) {
   const Contraction one(1);
   const std::vector<ClosedSurface> twice = {one.surfaces[0], one.surfaces[0]};
-  const FollowedMotion followed = followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0));
+  const FollowedMotion followed = followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0), pool);
   ASSERT_TRUE(followed.layers[1]);
   EXPECT_FALSE(followed.layers[0]);
   EXPECT_LT((followed.layers[1]->transferred.map.positions() - one.maps[0]).rowwise().norm().maxCoeff(), 0.02);

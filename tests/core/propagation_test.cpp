@@ -17,6 +17,8 @@
 namespace sphere_propagation {
 namespace {
 
+ThreadPool pool(2);
+
 using test::Mesh;
 
 ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface") {
@@ -101,7 +103,7 @@ TEST(Propagation, GoesAlongTheTree) {
   for (const PropagationTree& tree :
        {timeOrder(5, 2), cyclicTimeOrder(5, 2), star(5, 2), givenOrder({4, 0, -1, 2, 2})}) {
     const SphereMap root = sequence.map(2);
-    const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, tree);
+    const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, tree).layers;
     ASSERT_EQ(layers.size(), 5U);
     for (int i = 0; i < 5; ++i) {
       EXPECT_EQ(layers[i].parent, tree.parent[i]);
@@ -129,8 +131,8 @@ TEST(Propagation, FindsALayerInAnotherPose) {
       "far away"));
   surfaces.push_back(sequence.surfaces[2]);
   const PropagationTree tree = timeOrder(3, 0);
-  ASSERT_FALSE(followMotion(surfaces, root, tree).layers[1]);
-  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree);
+  ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
+  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
   for (const PropagatedLayer& layer : layers) EXPECT_EQ(layer.route, Route::Method);
   EXPECT_TRUE(layers[1].pose.moved);
   EXPECT_FALSE(layers[2].pose.moved);
@@ -150,9 +152,9 @@ TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
       "in another unit"));
   surfaces.push_back(sequence.surfaces[2]);
   const PropagationTree tree = timeOrder(3, 0);
-  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree);
+  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
   ASSERT_FALSE(layers[1].pose.moved);
-  ASSERT_FALSE(followMotion(surfaces, root, tree).layers[1]);
+  ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
   const RobustPropagation arc = propagateRobustly(surfaces[0], root, surfaces[1]);
   EXPECT_EQ(layers[1].route, Route::Alignment);
   EXPECT_EQ(layers[0].route, Route::Method);
@@ -168,21 +170,21 @@ TEST(Propagation, AsPublishedTakesItsParameters) {
   PropagationParameters parameters;
   parameters.method = PropagationMethod::AsPublished;
   parameters.published.smoothingSweeps = 3;
-  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0), parameters);
+  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0), parameters).layers;
   const PublishedPropagation arc =
       propagateAsPublished(sequence.surfaces[1], layers[1].map, sequence.surfaces[2], parameters.published);
   EXPECT_EQ(layers[2].map.positions(), arc.map.positions());
   EXPECT_EQ(layers[2].residualP95, arc.residualP95);
-  EXPECT_NE(layers[2].map.positions(), propagate(sequence.surfaces, root, timeOrder(3, 0))[2].map.positions());
+  EXPECT_NE(layers[2].map.positions(), propagate(sequence.surfaces, root, timeOrder(3, 0)).layers[2].map.positions());
 }
 
 TEST(Propagation, WhatIsRestoredDoesNotGoDownTheTree) {
   const Sequence sequence(3);
   const SphereMap root = sequence.map(0);
   const PropagationTree tree = timeOrder(3, 0);
-  const std::vector<PropagatedLayer> plain = propagate(sequence.surfaces, root, tree);
+  const std::vector<PropagatedLayer> plain = propagate(sequence.surfaces, root, tree).layers;
   const std::vector<PropagatedLayer> restored =
-      propagate(sequence.surfaces, root, tree, {PropagationMethod::Robust, {}, 0.5});
+      propagate(sequence.surfaces, root, tree, {PropagationMethod::Robust, {}, 0.5}).layers;
   EXPECT_EQ(restored[0].map.positions(), root.positions());
   for (int i : {1, 2}) {
     EXPECT_EQ(restored[i].map.positions(), restoreArea(sequence.surfaces[i], plain[i].map, 0.5).positions());
@@ -214,10 +216,34 @@ TEST(Propagation, OneLayerIsTheRoot) {
   const Sequence sequence(1);
   std::vector<double> told;
   const std::vector<PropagatedLayer> layers =
-      propagate(sequence.surfaces, sequence.map(0), star(1, 0), {}, [&](double fraction) { told.push_back(fraction); });
+      propagate(sequence.surfaces, sequence.map(0), star(1, 0), {}, [&](double fraction) {
+        told.push_back(fraction);
+      }).layers;
   ASSERT_EQ(layers.size(), 1U);
   EXPECT_EQ(layers[0].parent, -1);
   EXPECT_EQ(told.back(), 1);
+}
+
+TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {
+  const Sequence sequence(13);
+  PropagationParameters parameters;
+  for (const PropagationTree& tree : {cyclicTimeOrder(13, 3), star(13, 0)}) {
+    const SphereMap root = sequence.map(tree.root());
+    parameters.threads = 1;
+    const Propagation one = propagate(sequence.surfaces, root, tree, parameters);
+    ASSERT_TRUE(one.learnt);
+    for (int threads : {2, 3, 7}) {
+      parameters.threads = threads;
+      const Propagation many = propagate(sequence.surfaces, root, tree, parameters);
+      for (size_t i = 0; i < 13; ++i) {
+        EXPECT_EQ(many.layers[i].map.positions(), one.layers[i].map.positions());
+        EXPECT_EQ(many.layers[i].residualMean, one.layers[i].residualMean);
+      }
+      EXPECT_EQ(many.learnt->rotation, one.learnt->rotation);
+    }
+  }
+  parameters.threads = -1;
+  EXPECT_THROW(propagate(sequence.surfaces, sequence.map(0), star(13, 0), parameters), ParameterError);
 }
 
 TEST(Propagation, AnErrorNamesTheLayer) {
@@ -241,7 +267,7 @@ TEST(Propagation, AnErrorNamesTheLayer) {
     EXPECT_NE(text.find("second phase"), std::string::npos) << text;
   }
   // The motion model fits no flat shape, but what can be mended is no error.
-  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0));
+  const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0)).layers;
   for (size_t i = 0; i < 3; ++i) EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map.positions()).valid());
 }
 

@@ -47,6 +47,7 @@ TEST(PropagationTree, TimeOrderIsStepTwoOfThePaper) {
   EXPECT_EQ(arcsOf(tree), (Arcs{{2, 1}, {1, 0}, {2, 3}, {3, 4}}));
   expectOrdered(tree, 2);
   EXPECT_EQ(tree.depths(), (std::vector<int>{2, 1, 0, 1, 2}));
+  EXPECT_EQ(tree.levels(), (std::vector<std::vector<int>>{{2}, {1, 3}, {0, 4}}));
   EXPECT_EQ(tree.children(), (std::vector<std::vector<int>>{{}, {0}, {1, 3}, {4}, {}}));
 }
 

@@ -13,6 +13,8 @@
 namespace sphere_propagation {
 namespace {
 
+ThreadPool pool(2);
+
 using test::Mesh;
 
 ClosedSurface surfaceOf(const Mesh& mesh) { return ClosedSurface(mesh.vertices, mesh.faces); }
@@ -36,7 +38,7 @@ TEST(ShapeDistances, AreNothingBetweenMovedCopies) {
   std::vector<ClosedSurface> copies{surfaceOf(mesh)};
   for (unsigned seed = 0; seed < 4; ++seed)
     copies.push_back(surfaceOf(test::transformed(mesh, test::randomRotation(seed), 1, Vector3(seed, 100, -3))));
-  EXPECT_LT(shapeDistances(copies).maxCoeff(), 1e-10);
+  EXPECT_LT(shapeDistances(copies, pool).maxCoeff(), 1e-10);
 }
 
 TEST(ShapeDistances, KeepTheScale) {
@@ -44,7 +46,7 @@ TEST(ShapeDistances, KeepTheScale) {
   const auto scaled = [&](double scale) {
     return surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), scale, Vector3::Zero()));
   };
-  const Eigen::MatrixXd distances = shapeDistances({scaled(1), scaled(1.1), scaled(1.3)});
+  const Eigen::MatrixXd distances = shapeDistances({scaled(1), scaled(1.1), scaled(1.3)}, pool);
   EXPECT_NEAR(distances(0, 1), 1, 0.05);
   EXPECT_NEAR(distances(0, 2), 3, 0.15);
   EXPECT_NEAR(distances(1, 2), 2, 0.1);
@@ -54,21 +56,22 @@ TEST(ShapeDistances, KeepTheScale) {
 
 TEST(ShapeDistances, TurnWithNothing) {
   const std::vector<int> steps = {0, 3, 1, 5};
-  const Eigen::MatrixXd here = shapeDistances(family(steps, false)), there = shapeDistances(family(steps, true));
+  const Eigen::MatrixXd here = shapeDistances(family(steps, false), pool),
+                        there = shapeDistances(family(steps, true), pool);
   EXPECT_LT((here - there).cwiseAbs().maxCoeff(), 0.15);  // another start may end a little elsewhere
 }
 
 TEST(ShapeDistances, AreTheSameEveryTime) {
   const std::vector<ClosedSurface> surfaces = family({2, 0, 1}, true);
-  EXPECT_EQ(shapeDistances(surfaces), shapeDistances(surfaces));
+  EXPECT_EQ(shapeDistances(surfaces, pool), shapeDistances(surfaces, pool));
 }
 
 TEST(ShapeDistances, OfTheSmallestMeshes) {
   const std::vector<ClosedSurface> surfaces = {surfaceOf(test::tetrahedron()), surfaceOf(test::octahedron())};
-  const Eigen::MatrixXd distances = shapeDistances(surfaces);
+  const Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
   EXPECT_TRUE(distances.allFinite());
   EXPECT_GT(distances(0, 1), 0);
-  EXPECT_EQ(shapeDistances({}).size(), 0);
+  EXPECT_EQ(shapeDistances({}, pool).size(), 0);
 }
 
 TEST(MinimumSpanningTree, ByHand) {
@@ -137,7 +140,7 @@ TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
   const std::vector<int> steps = {3, 0, 5, 1, 6, 2, 4};  // shuffled
   for (bool turned : {false, true})
     for (int root = 0; root < 7; ++root) {
-      const SimilarityTree similarity = similarityTree(family(steps, turned), root);
+      const SimilarityTree similarity = similarityTree(family(steps, turned), root, pool);
       EXPECT_EQ(similarity.tree.root(), root);
       for (int i = 0; i < 7; ++i) {
         if (i == root) continue;
@@ -149,9 +152,9 @@ TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
 
 TEST(SimilarityTree, OneLayerAndNone) {
   const std::vector<ClosedSurface> one = family({0}, false);
-  EXPECT_EQ(similarityTree(one, 0).tree.parent, (std::vector<int>{-1}));
-  EXPECT_THROW(similarityTree(one, 1), ParameterError);
-  EXPECT_THROW(similarityTree({}, 0), ParameterError);
+  EXPECT_EQ(similarityTree(one, 0, pool).tree.parent, (std::vector<int>{-1}));
+  EXPECT_THROW(similarityTree(one, 1, pool), ParameterError);
+  EXPECT_THROW(similarityTree({}, 0, pool), ParameterError);
 }
 
 }  // namespace

@@ -9,6 +9,28 @@
 namespace sphere_propagation::test {
 namespace {
 
+TEST(ThreadPool, DoesEveryTaskAndThrowsTheFirstFailure) {
+  for (const int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    for (const int count : {0, 1, 2, 50}) {
+      std::vector<std::atomic<int>> visits(static_cast<size_t>(count));
+      pool.forEach(count, [&](int i) { ++visits[i]; });
+      for (const auto& v : visits) EXPECT_EQ(v, 1);
+    }
+    std::atomic<int> done{0};
+    try {
+      pool.forEach(20, [&](int i) {
+        ++done;
+        if (i % 7 == 3) throw i;
+      });
+      FAIL() << "no exception";
+    } catch (int i) {
+      EXPECT_EQ(i, 3);
+    }
+    EXPECT_EQ(done, 20);
+  }
+}
+
 TEST(ThreadPool, VisitsEveryIndexOnce) {
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);

@@ -5,6 +5,7 @@
 /// order: results are the same bit for bit with any number of threads.
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <vector>
 
@@ -46,6 +47,27 @@ class ThreadPool {
     double total = 0;
     for (int i = 0; i < rangesOf(count); ++i) total += parts[static_cast<size_t>(i)];
     return total;
+  }
+
+  /// Calls f(0), ..., f(count - 1), for a few long tasks that are independent of each other; they may throw: all are
+  /// finished, then the exception of the first is thrown. f must not use this pool.
+  template <class Function>
+  void forEach(int count, const Function& f) {
+    std::vector<std::exception_ptr> failures(static_cast<size_t>(count));
+    const auto task = [&](int i) {
+      try {
+        f(i);
+      } catch (...) {
+        failures[static_cast<size_t>(i)] = std::current_exception();
+      }
+    };
+    if (threads() == 1)
+      for (int i = 0; i < count; ++i) task(i);
+    else
+      run(
+          count, [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); }, &task);
+    for (const std::exception_ptr& failure : failures)
+      if (failure) std::rethrow_exception(failure);
   }
 
   static constexpr int rangeSize = 4096;

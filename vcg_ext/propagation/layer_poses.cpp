@@ -59,14 +59,13 @@ bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, const L
 
 }  // namespace
 
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree) {
-  std::vector<AlignedShape> shapes;
-  shapes.reserve(surfaces.size());
-  for (const ClosedSurface& surface : surfaces) shapes.emplace_back(surface);
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
+                                      ThreadPool& pool) {
+  const std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
   std::vector<LayerPose> poses(surfaces.size());
-  for (int t : tree.order) {
+  const std::vector<std::vector<int>> levels = tree.levels();
+  const auto find = [&](int t) {
     const int s = tree.parent[static_cast<size_t>(t)];
-    if (s < 0) continue;
     const auto i = static_cast<size_t>(t);
     // A parent that was moved lies as well as its alignment made it; an ancestor that was not may tell more.
     int ancestor = s;
@@ -85,7 +84,9 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
     const Vector3& centre = shapes[i].centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
-  }
+  };
+  for (size_t level = 1; level < levels.size(); ++level)
+    pool.forEach(static_cast<int>(levels[level].size()), [&](int k) { find(levels[level][static_cast<size_t>(k)]); });
   return poses;
 }
 

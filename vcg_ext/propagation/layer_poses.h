@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 #include "vcg_ext/propagation/rigid_alignment.h"
@@ -25,7 +26,9 @@ struct LayerPose {
 /// Distances of shapes are those of shape_alignment.h: a layer within 0.05 R of its parent (R: the radius of the sphere
 /// of its area) is as it should be; of others the best of many poses counts where it makes the distance at least 1.6
 /// times smaller (over a heart's cycle, neighbours or not, it makes it at most 1.4 times smaller).
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree);
+/// pool: who does the work, with the same result whatever the number of threads.
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
+                                      ThreadPool& pool);
 
 /// The surface moved.
 ClosedSurface movedSurface(const ClosedSurface& surface, const RigidMotion& motion);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "vcg_ext/mesh/surface_geometry.h"
 
@@ -24,20 +26,6 @@ constexpr int varianceRounds = 100, covarianceRounds = 10;
 constexpr double strainShare = 0.1;  // the evidence over-estimates strain
 constexpr double priorArcs = 8;      // what the diagonal covariance counts against the arcs
 
-/// A layer, ready to be fitted to.
-struct Target {
-  explicit Target(const ClosedSurface& s)
-      : surface(s),
-        locator(s.vertices(), s.faces()),
-        normals(vertexNormals(s.vertices(), s.faces())),
-        meanVertexArea(faceAreas(s.vertices(), s.faces()).sum() / s.vertexCount()),
-        meanEdge(meanEdgeLength(s.vertices(), s.faces())) {}
-  const ClosedSurface& surface;
-  SurfaceLocator locator;
-  Points normals;
-  double meanVertexArea, meanEdge;
-};
-
 double medianOf(std::vector<double> values) {
   if (values.empty()) return 0;
   const size_t half = values.size() / 2;
@@ -48,7 +36,7 @@ double medianOf(std::vector<double> values) {
 }
 
 /// The data term at c, linear in the step away from `before`.
-ArcEquations equationsAt(const MotionModel& model, const Target& target, const Eigen::VectorXd& c,
+ArcEquations equationsAt(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& c,
                          const Eigen::VectorXd& before, double noise) {
   const Points moved = model.movedNodes(c), normals = vertexNormals(moved, model.faces());
   const Eigen::Index count = moved.rows();
@@ -66,8 +54,8 @@ ArcEquations equationsAt(const MotionModel& model, const Target& target, const E
   for (Eigen::Index i = 0; i < count; ++i) {
     const SurfacePoint& point = closest[static_cast<size_t>(i)];
     if (point.face < 0) continue;
-    const Vector3 m = point.interpolate(target.surface.faces(), target.normals).normalized();
-    const Vector3 p = point.interpolate(target.surface.faces(), target.surface.vertices());
+    const Vector3 m = point.interpolate(target.surface->faces(), target.normals).normalized();
+    const Vector3 p = point.interpolate(target.surface->faces(), target.surface->vertices());
     const double robust = 1 / (1 + (point.distance / scale) * (point.distance / scale));
     const double weight = 0.5 * model.meanVertexArea() * model.areas()[i] * robust /
                           (noise * target.meanVertexArea * target.meanVertexArea);
@@ -145,35 +133,53 @@ Eigen::VectorXd MotionVariances::diagonal() const {
 
 MotionPrior fixedMotionPrior() { return {fixedVariances.diagonal().cwiseInverse().asDiagonal(), wideNoise}; }
 
-MotionFit fitMotion(const MotionModel& model, const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
-                    const MotionPrior& prior, const Progress& progress) {
+MotionTarget::MotionTarget(const ClosedSurface& layer)
+    : surface(&layer),
+      locator(layer.vertices(), layer.faces()),
+      normals(vertexNormals(layer.vertices(), layer.faces())),
+      meanVertexArea(faceAreas(layer.vertices(), layer.faces()).sum() / layer.vertexCount()),
+      meanEdge(meanEdgeLength(layer.vertices(), layer.faces())) {}
+
+std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
+  std::vector<std::optional<MotionTarget>> made(surfaces.size());
+  pool.forEach(static_cast<int>(surfaces.size()),
+               [&](int i) { made[static_cast<size_t>(i)].emplace(surfaces[static_cast<size_t>(i)]); });
+  std::vector<MotionTarget> targets;
+  targets.reserve(made.size());
+  for (std::optional<MotionTarget>& target : made) targets.push_back(std::move(*target));
+  return targets;
+}
+
+MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress) {
   MotionFit fit;
-  fit.coefficients.assign(surfaces.size(), Eigen::VectorXd::Zero(all));
-  fit.equations.resize(surfaces.size());
-  double done = 0;
-  for (int t : tree.order) {
-    const int s = tree.parent[static_cast<size_t>(t)];
-    if (s >= 0) {
-      const Target target(surfaces[static_cast<size_t>(t)]);
-      const Eigen::VectorXd& before = fit.coefficients[static_cast<size_t>(s)];
+  fit.coefficients.assign(targets.size(), Eigen::VectorXd::Zero(all));
+  fit.equations.resize(targets.size());
+  const std::vector<std::vector<int>> levels = tree.levels();
+  size_t done = 1;
+  for (size_t level = 1; level < levels.size(); ++level) {
+    pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
+      const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
+      const Eigen::VectorXd& before = fit.coefficients[static_cast<size_t>(tree.parent[t])];
       Eigen::VectorXd c = before;
       ArcEquations equations;
       for (int i = 0; i < iterations; ++i) {
-        equations = equationsAt(model, target, c, before, prior.noise);
+        equations = equationsAt(model, targets[t], c, before, prior.noise);
         c = before + (equations.matrix + prior.precision).llt().solve(equations.vector);
       }
-      fit.coefficients[static_cast<size_t>(t)] = std::move(c);
-      fit.equations[static_cast<size_t>(t)] = std::move(equations);
-    }
-    report(progress, ++done / static_cast<double>(surfaces.size()));
+      fit.coefficients[t] = std::move(c);
+      fit.equations[t] = std::move(equations);
+    });
+    done += levels[level].size();
+    report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));
   }
   return fit;
 }
 
-LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<ClosedSurface>& surfaces,
-                             const PropagationTree& tree, const Progress& progress) {
+LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionTarget>& targets,
+                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress) {
   const MotionPrior wide{wideVariances.diagonal().cwiseInverse().asDiagonal(), wideNoise};
-  MotionFit fit = fitMotion(model, surfaces, tree, wide, part(progress, 0, 0.7));
+  MotionFit fit = fitMotion(model, targets, tree, wide, pool, part(progress, 0, 0.7));
   std::vector<ArcEquations> equations;
   const double temper = wideNoise / temperedNoise, unit = std::sqrt(0.5 * model.meanVertexArea());
   for (ArcEquations& e : fit.equations)
@@ -184,12 +190,15 @@ LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<ClosedS
   Eigen::MatrixXd covariance = towards;
   for (int round = 0; round < covarianceRounds; ++round) {
     const Eigen::MatrixXd precision = inverseOf(covariance);
+    std::vector<Eigen::MatrixXd> second(equations.size());  // moments, added up in the arcs' order
+    pool.forEach(static_cast<int>(equations.size()), [&](int k) {
+      const ArcEquations& e = equations[static_cast<size_t>(k)];
+      second[static_cast<size_t>(k)] = inverseOf(e.matrix + precision);
+      const Eigen::VectorXd c = second[static_cast<size_t>(k)] * e.vector;
+      second[static_cast<size_t>(k)].noalias() += c * c.transpose();
+    });
     Eigen::MatrixXd total = priorArcs * towards;
-    for (const ArcEquations& e : equations) {
-      const Eigen::MatrixXd posterior = inverseOf(e.matrix + precision);
-      const Eigen::VectorXd c = posterior * e.vector;
-      total += c * c.transpose() + posterior;
-    }
+    for (const Eigen::MatrixXd& moments : second) total += moments;
     covariance = total / (static_cast<double>(equations.size()) + priorArcs);
     report(progress, 0.7 + 0.3 * (round + 1) / covarianceRounds);
   }

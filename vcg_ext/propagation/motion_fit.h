@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/propagation/motion_model.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 
@@ -39,14 +41,28 @@ struct ArcEquations {
   Eigen::VectorXd vector;
 };
 
+/// A layer, ready to be fitted to. The surface must outlive it.
+struct MotionTarget {
+  explicit MotionTarget(const ClosedSurface& layer);
+
+  const ClosedSurface* surface;
+  SurfaceLocator locator;
+  Points normals;         ///< of the vertices
+  double meanVertexArea;  ///< At
+  double meanEdge;
+};
+
+std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
+
 struct MotionFit {
   std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
   std::vector<ArcEquations> equations;        ///< of each layer; empty at the root
 };
 
-/// Fits all layers of a tree. surfaces: the layers; tree: with the moving surface as root.
-MotionFit fitMotion(const MotionModel& model, const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
-                    const MotionPrior& prior, const Progress& progress = {});
+/// Fits all layers of a tree. targets: the layers; tree: with the moving surface as root. pool: who does the work;
+/// layers equally far from the root are fitted at once, with the same result.
+MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {});
 
 /// The prior learnt from the sequence itself.
 struct LearntPrior {
@@ -58,7 +74,7 @@ struct LearntPrior {
 /// (1) a fit with a wide prior; (2) expectation-maximisation of the three affine variances over its arcs, the local
 /// coefficients integrated out and the noise tempered; (3) of the full covariance, drawn towards (2).
 /// For sequences in time of about a dozen layers or more.
-LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<ClosedSurface>& surfaces,
-                             const PropagationTree& tree, const Progress& progress = {});
+LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionTarget>& targets,
+                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {});
 
 }  // namespace sphere_propagation

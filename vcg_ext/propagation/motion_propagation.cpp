@@ -25,34 +25,37 @@ std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap
 }  // namespace
 
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                            const PropagationTree& tree, const Progress& progress) {
+                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress) {
   const Stopwatch fitting;
   const ClosedSurface& root = surfaces[static_cast<size_t>(tree.root())];
   FollowedMotion followed;
   followed.layers.resize(surfaces.size());
   if (surfaces.size() == 1) return followed;
   const MotionModel model(root, rootMap);
+  const std::vector<MotionTarget> targets = motionTargets(surfaces, pool);
   const bool learns = tree.size() - 1 >= leastArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
   if (learns) {
-    LearntPrior learnt = learnMotionPrior(model, surfaces, tree, part(progress, 0, 0.5));
+    LearntPrior learnt = learnMotionPrior(model, targets, tree, pool, part(progress, 0, 0.5));
     prior = std::move(learnt.prior);
     followed.learnt = learnt.variances;
   }
-  const MotionFit fit = fitMotion(model, surfaces, tree, prior, part(progress, learns ? 0.5 : 0, 0.75));
+  const MotionFit fit = fitMotion(model, targets, tree, prior, pool, part(progress, learns ? 0.5 : 0, 0.75));
   const double share = fitting.seconds() / static_cast<double>(surfaces.size() - 1);
 
-  double done = 0;
-  for (int t : tree.order) {
-    const auto i = static_cast<size_t>(t);
-    const int parent = tree.parent[i];
-    const bool parentIsThere = parent == tree.root() || (parent >= 0 && followed.layers[static_cast<size_t>(parent)]);
-    if (parentIsThere) {
+  size_t done = 0;
+  for (const std::vector<int>& level : tree.levels()) {
+    pool.forEach(static_cast<int>(level.size()), [&](int k) {
+      const auto i = static_cast<size_t>(level[static_cast<size_t>(k)]);
+      const int parent = tree.parent[i];
+      const bool parentIsThere = parent == tree.root() || (parent >= 0 && followed.layers[static_cast<size_t>(parent)]);
+      if (!parentIsThere) return;
       const Stopwatch reading;
       std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(fit.coefficients[i]), surfaces[i]);
       if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
-    }
-    report(progress, 0.75 + 0.25 * ++done / static_cast<double>(surfaces.size()));
+    });
+    done += level.size();
+    report(progress, 0.75 + 0.25 * static_cast<double>(done) / static_cast<double>(surfaces.size()));
   }
   return followed;
 }

@@ -33,8 +33,9 @@ struct FollowedMotion {
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
 };
 
-/// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer.
+/// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer; pool: who does the work,
+/// with the same result whatever the number of threads.
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                            const PropagationTree& tree, const Progress& progress = {});
+                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {});
 
 }  // namespace sphere_propagation

@@ -33,6 +33,9 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
   if (!(parameters.areaRestoration >= 0 && parameters.areaRestoration <= 1))
     throw ParameterError("The area restoration must lie between 0 and 1; it is " +
                          std::to_string(parameters.areaRestoration) + ".");
+  if (parameters.threads < 0)
+    throw ParameterError("The number of threads must be 0 (all) or more; it is " + std::to_string(parameters.threads) +
+                         ".");
 }
 
 PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& referenceMap, const ClosedSurface& target,
@@ -74,9 +77,8 @@ void overArcs(const std::vector<ClosedSurface>& surfaces, const PropagationTree&
 
 }  // namespace
 
-std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                                       const PropagationTree& tree, const PropagationParameters& parameters,
-                                       const Progress& progress) {
+Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap, const PropagationTree& tree,
+                      const PropagationParameters& parameters, const Progress& progress) {
   requireFit(surfaces, rootMap, tree, parameters);
   std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
   layers[tree.root()] = PropagatedLayer{rootMap, -1, 0, 0, 0, 0, Route::Method, {}};
@@ -89,13 +91,14 @@ std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surface
   std::vector<ClosedSurface> inRootsFrame;
   const bool follows = parameters.method == PropagationMethod::Robust;
   report(progress, 0);
+  ThreadPool pool(parameters.threads);
   if (follows) {
-    poses = findLayerPoses(surfaces, tree);
+    poses = findLayerPoses(surfaces, tree, pool);
     if (std::any_of(poses.begin(), poses.end(), [](const LayerPose& pose) { return pose.moved; }))
       for (size_t i = 0; i < surfaces.size(); ++i) inRootsFrame.push_back(movedSurface(surfaces[i], poses[i].toRoot));
   }
   const std::vector<ClosedSurface>& placed = inRootsFrame.empty() ? surfaces : inRootsFrame;
-  if (follows) followed = followMotion(placed, rootMap, tree, part(ofArcs, 0, followingShare));
+  if (follows) followed = followMotion(placed, rootMap, tree, pool, part(ofArcs, 0, followingShare));
   overArcs(surfaces, tree, part(ofArcs, follows ? followingShare : 0, 1), [&](int i, const Progress&) {
     const int parent = tree.parent[i];
     if (std::optional<FollowedLayer>& layer = followed.layers[i]) {
@@ -116,11 +119,12 @@ std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surface
       layers[i]->map = restoreArea(surfaces[i], layers[i]->map, parameters.areaRestoration, ofLayer);
       layers[i]->seconds += watch.seconds();
     });
-  std::vector<PropagatedLayer> result;
-  result.reserve(layers.size());
+  Propagation result;
+  result.learnt = followed.learnt;
+  result.layers.reserve(layers.size());
   for (size_t i = 0; i < layers.size(); ++i) {
     layers[i]->pose = poses[i];
-    result.push_back(std::move(*layers[i]));
+    result.layers.push_back(std::move(*layers[i]));
   }
   return result;
 }

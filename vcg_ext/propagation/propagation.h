@@ -1,12 +1,14 @@
 #pragma once
 /// Propagation of a map from the root over all layers, one arc of the tree after the other.
 
+#include <optional>
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/layer_poses.h"
+#include "vcg_ext/propagation/motion_fit.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 #include "vcg_ext/propagation/published_propagation.h"
 
@@ -23,6 +25,7 @@ struct PropagationParameters {
   /// In [0, 1]: how far each layer's map is moved towards area preservation in the end (area_restoration.h). What goes
   /// down the tree is the map before that, and the root keeps the map that it has.
   double areaRestoration = 0;
+  int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any number
 };
 
 /// How a layer got its map.
@@ -43,13 +46,17 @@ struct PropagatedLayer {
   LayerPose pose;  ///< in which method Robust brought it onto its parent
 };
 
+struct Propagation {
+  std::vector<PropagatedLayer>
+      layers;  ///< one entry per layer, in layer order; the root has rootMap as it is, and zeros
+  std::optional<MotionVariances> learnt;  ///< by method Robust, where there was enough to learn from (motion_fit.h)
+};
+
 /// surfaces: the layers, in the order of the tree's numbers; rootMap: the map of surfaces[tree.root()]; tree: one entry
 /// per layer, of any of the orders in propagation_tree.h or similarity_tree.h. Progress goes by vertices.
-/// Returns one entry per layer, in layer order; that of the root has rootMap as it is, and zeros.
 /// Throws ParameterError when the arguments do not fit together or a parameter is out of range, and what the method
 /// throws, which names the layer.
-std::vector<PropagatedLayer> propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                                       const PropagationTree& tree, const PropagationParameters& parameters = {},
-                                       const Progress& progress = {});
+Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap, const PropagationTree& tree,
+                      const PropagationParameters& parameters = {}, const Progress& progress = {});
 
 }  // namespace sphere_propagation

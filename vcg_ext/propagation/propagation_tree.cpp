@@ -46,6 +46,17 @@ std::vector<int> PropagationTree::depths() const {
   return depth;
 }
 
+std::vector<std::vector<int>> PropagationTree::levels() const {
+  const std::vector<int> depth = depths();
+  std::vector<std::vector<int>> layers;
+  for (size_t i = 0; i < depth.size(); ++i) {
+    const auto level = static_cast<size_t>(depth[i]);
+    if (layers.size() <= level) layers.resize(level + 1);
+    layers[level].push_back(static_cast<int>(i));
+  }
+  return layers;
+}
+
 std::vector<std::vector<int>> PropagationTree::children() const { return childrenOf(parent); }
 
 int defaultRoot(int layers) {

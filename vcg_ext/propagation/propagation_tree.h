@@ -16,6 +16,8 @@ struct PropagationTree {
   int root() const { return order.front(); }
   /// The number of arcs between the root and each layer.
   std::vector<int> depths() const;
+  /// The layers at each number of arcs from the root, in ascending order: those of one entry do not need each other.
+  std::vector<std::vector<int>> levels() const;
   /// The layers that get their map from each layer, in ascending order.
   std::vector<std::vector<int>> children() const;
 };

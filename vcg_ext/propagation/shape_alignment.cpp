@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "vcg_ext/mesh/icosphere.h"
@@ -153,6 +155,16 @@ AlignedShape::AlignedShape(const ClosedSurface& surface)
       normals_(vertexNormals(surface.vertices(), surface.faces())),
       faces_(surface.faces()),
       surface_(surface.vertices(), surface.faces()) {}
+
+std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
+  std::vector<std::optional<AlignedShape>> made(surfaces.size());
+  pool.forEach(static_cast<int>(surfaces.size()),
+               [&](int i) { made[static_cast<size_t>(i)].emplace(surfaces[static_cast<size_t>(i)]); });
+  std::vector<AlignedShape> shapes;
+  shapes.reserve(made.size());
+  for (std::optional<AlignedShape>& shape : made) shapes.push_back(std::move(*shape));
+  return shapes;
+}
 
 RigidMotion motionByAxes(const AlignedShape& from, const AlignedShape& to) {
   // The first of the samples are themselves spread, and enough to choose by.

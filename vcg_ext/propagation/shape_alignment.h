@@ -1,6 +1,9 @@
 #pragma once
 /// Laying one shape on another, whatever poses the two are in.
 
+#include <vector>
+
+#include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/mesh/vertex_locator.h"
@@ -33,6 +36,8 @@ class AlignedShape {
   Triangles faces_;
   SurfaceLocator surface_;
 };
+
+std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
 
 /// The rigid motion that lays `from` on `to`, by closest points from the best of five poses: as they are turned, and
 /// the four that lay principal axes on principal axes, centres together. Quick; right where shapes have axes.

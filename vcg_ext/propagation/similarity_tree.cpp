@@ -13,16 +13,15 @@ double distanceBetween(const AlignedShape& a, const AlignedShape& b) { return sh
 
 }  // namespace
 
-Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces) {
-  std::vector<AlignedShape> shapes;
-  shapes.reserve(surfaces.size());
-  for (const ClosedSurface& surface : surfaces) shapes.emplace_back(surface);
-  const auto count = static_cast<Eigen::Index>(shapes.size());
+Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
+  const std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
+  const auto count = static_cast<int>(shapes.size());
   Eigen::MatrixXd distances = Eigen::MatrixXd::Zero(count, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
+  pool.forEach(count, [&](int i) {
+    for (int j = 0; j < i; ++j)
       distances(i, j) = distances(j, i) =
           distanceBetween(shapes[static_cast<size_t>(i)], shapes[static_cast<size_t>(j)]);
+  });
   return distances;
 }
 
@@ -51,9 +50,9 @@ PropagationTree minimumSpanningTree(const Eigen::MatrixXd& distances, int root) 
   return tree;
 }
 
-SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root) {
+SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root, ThreadPool& pool) {
   star(static_cast<int>(surfaces.size()), root);  // checks the root before the work
-  Eigen::MatrixXd distances = shapeDistances(surfaces);
+  Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
   PropagationTree tree = minimumSpanningTree(distances, root);
   return {std::move(tree), std::move(distances)};
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 
@@ -16,7 +17,8 @@ namespace sphere_propagation {
 /// other's surface, and the other way round, averaged; after a rigid alignment by closest points from the best of five
 /// poses: as they are, and the four that lay principal axes on principal axes. Scale counts, rotation and translation
 /// do not. Deterministic. 30 layers of 5000 vertices take less than a second.
-Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces);
+/// pool: who does the work, with the same result whatever the number of threads.
+Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
 
 /// The tree of least total distance (R. C. Prim, Shortest connection networks and some generalizations, 1957), grown
 /// from the root; of equal distances the smallest layer goes first, and to the smallest parent. distances: #layers by
@@ -30,6 +32,6 @@ struct SimilarityTree {
 };
 
 /// minimumSpanningTree of shapeDistances. Throws ParameterError when the root is no layer.
-SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root);
+SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root, ThreadPool& pool);
 
 }  // namespace sphere_propagation
