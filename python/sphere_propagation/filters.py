@@ -62,30 +62,33 @@ class Landmarks:
     figures: Figures
 
 
-def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", area_weight: float = 0.9) -> SphereMap:
+def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", area_weight: float = 0.9,
+                       threads: int = 0) -> SphereMap:
     """An area-preserving map of one surface to the unit sphere.
 
     initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for equal areas alone, as far as
-    validity allows, 0 for angles alone; the default all but preserves areas.
+    validity allows, 0 for angles alone; the default all but preserves areas. threads: how many work on large surfaces, 0 for as many as
+    the machine runs at once; the map is the same with any number.
 
     Raises FilterError when the surface is not closed, has handles or several parts.
     """
     meshes = layers.mesh_set([as_surface(surface)])
-    figures = layers.apply(meshes, ROOT, initial_map=initial_map, area_weight=area_weight)
+    figures = layers.apply(meshes, ROOT, initial_map=initial_map, area_weight=area_weight, threads=threads)
     return layers.map_of(meshes.mesh(0), figures)
 
 
 def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer: int = 0, method: str = "Robust", order: str = "Time",
               parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, anisotropic_scaling: bool = True,
-              icp_iterations: int = 30, smoothing_sweeps: int = 50) -> Propagation:
+              icp_iterations: int = 30, smoothing_sweeps: int = 50, threads: int = 0) -> Propagation:
     """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
 
-    surfaces: in order of time, in one coordinate frame and unit. root_map: the map of surfaces[root_layer].
+    surfaces: in order of time, in one unit. root_map: the map of surfaces[root_layer].
     method: Robust (a motion model moves the root onto each surface) or As published (the paper's steps).
     order: who hands the map to whom, one of ORDERS; Cyclic time for a whole heart cycle, Similarity tree where there is no order.
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
+    threads: how many work, 0 for as many as the machine runs at once; the result is the same with any number.
 
     Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it.
     """
@@ -98,7 +101,7 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
     figures = layers.apply(meshes, PROPAGATE, root_layer=root_layer, method=method, order=order, parents=parents,
                            area_restoration=area_restoration, anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations,
-                           smoothing_sweeps=smoothing_sweeps)
+                           smoothing_sweeps=smoothing_sweeps, threads=threads)
     if len(figures["parent"]) != len(surfaces):
         raise FilterError(PROPAGATE, "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
                           "the unit sphere, or is called like a layer of a shape model.")
