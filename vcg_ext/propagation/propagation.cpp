@@ -34,7 +34,7 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
     throw ParameterError("The area restoration must lie between 0 and 1; it is " +
                          std::to_string(parameters.areaRestoration) + ".");
   if (parameters.threads < 0)
-    throw ParameterError("The number of threads must be 0 (all) or more; it is " + std::to_string(parameters.threads) +
+    throw ParameterError("The number of threads must not be negative; it is " + std::to_string(parameters.threads) +
                          ".");
 }
 
