@@ -18,8 +18,9 @@ struct ThreadPool::State {
   const void* context = nullptr;
   int ranges = 0;
   std::atomic<int> next{0};
-  int working = 0;  // workers that have not finished their part
-  long loop = 0;    // number of the loop: a worker takes part in each once
+  int working = 0;    // workers that have joined the loop and not finished
+  bool open = false;  // a worker that wakes too late does not join, so nobody waits for it
+  long loop = 0;      // number of the loop: a worker takes part in each once
   bool stop = false;
 
   void takeRanges() {
@@ -30,9 +31,10 @@ struct ThreadPool::State {
     long seen = 0;
     std::unique_lock<std::mutex> lock(mutex);
     for (;;) {
-      while (!stop && loop == seen) wake.wait(lock);
+      while (!stop && !(open && loop != seen)) wake.wait(lock);
       if (stop) return;
       seen = loop;
+      ++working;
       lock.unlock();
       takeRanges();
       lock.lock();
@@ -68,12 +70,13 @@ void ThreadPool::run(int ranges, void (*call)(const void*, int), const void* con
     s.context = context;
     s.ranges = ranges;
     s.next = 0;
-    s.working = static_cast<int>(s.workers.size());
+    s.open = true;
     ++s.loop;
   }
   s.wake.notify_all();
   s.takeRanges();
   std::unique_lock<std::mutex> lock(s.mutex);
+  s.open = false;
   while (s.working > 0) s.done.wait(lock);
 }
 
