@@ -115,7 +115,7 @@ def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) 
         edges = residual / surface.mean_edge_length
         if edges > MOST_RESIDUAL_IN_EDGES:
             warnings.warn(f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on average: it may be another "
-                          "shape, in another pose or in another unit.", SpherePropagationWarning, stacklevel=3)
+                          "shape or in another unit.", SpherePropagationWarning, stacklevel=3)
 
 
 def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10) -> Landmarks:
