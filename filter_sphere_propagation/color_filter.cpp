@@ -114,12 +114,11 @@ class ColorFilter : public host::Filter {
       }
     const size_t spheres = found.size();
     if (withLandmarks)
-      for (const host::LayerKind kind : {host::LayerKind::Landmarks, host::LayerKind::Model})
-        for (const host::Layer& layer : task.layers.visible(kind)) {
-          const std::optional<int> frequency = layer.icosphereFrequency();
-          auto mesh = frequency ? surfaceOrLog(task, layer) : std::nullopt;
-          if (mesh) found.push_back({layer, std::move(*mesh), icosphere(*frequency).vertices});
-        }
+      for (const host::Layer& layer : task.layers.visible(host::LayerKind::Landmarks)) {
+        const std::optional<int> frequency = layer.icosphereFrequency();
+        auto mesh = frequency ? surfaceOrLog(task, layer) : std::nullopt;
+        if (mesh) found.push_back({layer, std::move(*mesh), icosphere(*frequency).vertices});
+      }
     if (found.empty())
       throw MapError(0, -1,
                      "No visible layer has places on the sphere to be coloured by. Run \"Spherical parameterise root\" "

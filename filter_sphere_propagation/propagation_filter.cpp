@@ -17,6 +17,9 @@
 namespace sphere_propagation {
 namespace {
 
+/// Layers whose sizes differ more than this are named in the log.
+constexpr double differentSize = 3;
+
 enum class Order { Time, CyclicTime, SimilarityTree, Star, Given };
 
 /// "1, 2; -1 2": whole numbers between commas, semicolons and blanks.
@@ -209,6 +212,10 @@ class PropagationFilter : public host::Filter {
           (text.empty() ? "" : "; ") + std::string(
                                            "its mirror image fits its parent far better: is it a left one "
                                            "among right ones? Mirror it first (\"Transform: Flip and/or swap axis\")");
+    const double size = propagated.relativeSize;
+    if (size > differentSize || size < 1 / differentSize)
+      text += (text.empty() ? "" : "; ") + std::string("it is ") + shortNumber(size > 1 ? size : 1 / size) + " times " +
+              (size > 1 ? "larger" : "smaller") + " than its parent, so one of them may be in another unit";
     const double edges = propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
     if (edges > mostResidualInEdges)
       text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +

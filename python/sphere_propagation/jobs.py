@@ -38,6 +38,8 @@ class Choices(NamedTuple):
 
 def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, progress: Callable[[int], Lines]) -> List[report.Run]:
     """Files and folders of meshes; `name` calls the sequence. progress: makes the Lines for a number of steps."""
+    if name is not None and (name in ("", ".", "..") or Path(name).name != name):
+        raise InputError(f"The name of the sequence becomes a folder of results: it must be a plain name, not {name!r}.")
     paths = files.mesh_files(*meshes)
     home = Path(folder).resolve()
     for path in paths:

@@ -154,6 +154,7 @@ TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   const PropagationTree tree = timeOrder(3, 0);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
   ASSERT_FALSE(layers[1].pose.moved);
+  EXPECT_NEAR(layers[1].relativeSize, 10, 1);
   ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
   const RobustPropagation arc = propagateRobustly(surfaces[0], root, surfaces[1]);
   EXPECT_EQ(layers[1].route, Route::Alignment);
@@ -222,6 +223,30 @@ TEST(Propagation, OneLayerIsTheRoot) {
   ASSERT_EQ(layers.size(), 1U);
   EXPECT_EQ(layers[0].parent, -1);
   EXPECT_EQ(told.back(), 1);
+}
+
+TEST(Propagation, RefusesLayersInDifferentUnits) {
+  const Sequence sequence(3);
+  const SphereMap root = sequence.map(0);
+  for (double scale : {0.001, 1000.0, 1e-30, 1e30}) {
+    std::vector<ClosedSurface> surfaces;
+    for (size_t i = 0; i < 3; ++i)
+      surfaces.emplace_back(sequence.surfaces[i].vertices() * (i == 1 ? scale : 1), sequence.surfaces[i].faces(),
+                            "phase " + std::to_string(i));
+    try {
+      propagate(surfaces, root, timeOrder(3, 0));
+      FAIL() << scale;
+    } catch (const ParameterError& error) {
+      EXPECT_NE(std::string(error.what()).find("phase 1"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("phase 0"), std::string::npos) << error.what();
+    }
+    PropagationParameters parameters;
+    parameters.method = PropagationMethod::AsPublished;  // scales each layer to its parent
+    if (scale > 1e-6 && scale < 1e6) EXPECT_NO_THROW(propagate(surfaces, root, timeOrder(3, 0), parameters));
+  }
+  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0)).layers;
+  EXPECT_EQ(layers[0].relativeSize, 1);
+  EXPECT_LT(layers[1].relativeSize, 1.5);
 }
 
 TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {

@@ -47,6 +47,13 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
         assert (out / name).stat().st_size > 1000
 
 
+@pytest.mark.parametrize("name", ["../evil", "a/b", "..", ""])
+def test_a_name_that_is_a_path_is_refused_before_any_work(heart, tmp_path, capsys, name):
+    assert run("run", heart, "-o", tmp_path / "out" / "sub", "--name", name) == 1
+    assert "plain name" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_options_reach_the_filters(heart, tmp_path, capsys):
     out = tmp_path / "out"
     files = sorted(heart.iterdir())

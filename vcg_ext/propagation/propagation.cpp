@@ -1,14 +1,17 @@
 #include "vcg_ext/propagation/propagation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/map/area_restoration.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion_propagation.h"
 #include "vcg_ext/propagation/robust_propagation.h"
 
@@ -38,20 +41,50 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
                          ".");
 }
 
+/// Radius of the sphere of the same area.
+double sizeOf(const ClosedSurface& surface) {
+  return std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi));
+}
+
+/// The size of each layer relative to its parent's; 1 at the root.
+std::vector<double> relativeSizes(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree) {
+  std::vector<double> sizes, relative(surfaces.size(), 1);
+  for (const ClosedSurface& surface : surfaces) sizes.push_back(sizeOf(surface));
+  for (size_t i = 0; i < surfaces.size(); ++i)
+    if (tree.parent[i] >= 0) relative[i] = sizes[i] / sizes[static_cast<size_t>(tree.parent[i])];
+  return relative;
+}
+
+void requireOneUnit(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
+                    const std::vector<double>& relativeSizes) {
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    const double ratio = relativeSizes[i];
+    if (ratio < mostRelativeSize && ratio > 1 / mostRelativeSize) continue;
+    std::ostringstream text;
+    text.precision(3);
+    text << "Layer \"" << surfaces[i].name() << "\" is " << (ratio > 1 ? ratio : 1 / ratio) << " times "
+         << (ratio > 1 ? "larger" : "smaller") << " than layer \""
+         << surfaces[static_cast<size_t>(tree.parent[i])].name()
+         << "\", which its map would come from. Bring all layers to one unit (\"Transform: Scale, Normalize\").";
+    throw ParameterError(text.str());
+  }
+}
+
 PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& referenceMap, const ClosedSurface& target,
                              const PropagationParameters& parameters) {
   try {
     if (parameters.method == PropagationMethod::Robust) {
       try {
         RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
-        return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment, {}};
+        return {
+            std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment, {}, 1};
       } catch (const MapError&) {
         // Shapes that differ much: the published steps smooth all of the map, and so reach a valid one more often.
       }
     }
     PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
     const Route route = parameters.method == PropagationMethod::Robust ? Route::Published : Route::Method;
-    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route, {}};
+    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route, {}, 1};
   } catch (const MapError& error) {  // names the target, but knows nothing of the tree
     throw MapError(error.count, error.first,
                    std::string(error.what()) + " They come from layer \"" + reference.name() +
@@ -81,7 +114,7 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
                       const PropagationParameters& parameters, const Progress& progress) {
   requireFit(surfaces, rootMap, tree, parameters);
   std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
-  layers[tree.root()] = PropagatedLayer{rootMap, -1, 0, 0, 0, 0, Route::Method, {}};
+  layers[tree.root()] = PropagatedLayer{rootMap, -1, 0, 0, 0, 0, Route::Method, {}, 1};
   const bool restores = parameters.areaRestoration > 0;
   const Progress ofArcs = part(progress, 0, restores ? propagationShare : 1);
   // Robust: the root's motion, followed through all layers; arc by arc where that loses a layer.
@@ -90,6 +123,8 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
   std::vector<LayerPose> poses(surfaces.size());
   std::vector<ClosedSurface> inRootsFrame;
   const bool follows = parameters.method == PropagationMethod::Robust;
+  const std::vector<double> sizes = relativeSizes(surfaces, tree);
+  if (follows) requireOneUnit(surfaces, tree, sizes);
   report(progress, 0);
   ThreadPool pool(parameters.threads);
   if (follows) {
@@ -124,6 +159,7 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
   result.layers.reserve(layers.size());
   for (size_t i = 0; i < layers.size(); ++i) {
     layers[i]->pose = poses[i];
+    layers[i]->relativeSize = sizes[i];
     result.layers.push_back(std::move(*layers[i]));
   }
   return result;

@@ -28,6 +28,9 @@ struct PropagationParameters {
   int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any number
 };
 
+/// Layers that differ more in size than this are in different units, and method Robust refuses them.
+constexpr double mostRelativeSize = 100;
+
 /// How a layer got its map.
 enum class Route {
   Method,     ///< by the method asked for
@@ -43,7 +46,8 @@ struct PropagatedLayer {
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
   double seconds = 0;       ///< spent on this layer, wall clock
   Route route = Route::Method;
-  LayerPose pose;  ///< in which method Robust brought it onto its parent
+  LayerPose pose;           ///< in which method Robust brought it onto its parent
+  double relativeSize = 1;  ///< of its radius (of the sphere of its area) to its parent's
 };
 
 struct Propagation {
