@@ -85,6 +85,7 @@ def _load(path):
     try:
         meshes.load_new_mesh(str(path.resolve()))
     except Exception as error:  # PyMeshLab's, or what its parsers stumble over
+        layers.keep(meshes)
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
         raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error

@@ -12,6 +12,7 @@ from .sphere_map import SphereMap
 from .surface import Surface, distinct_names
 
 ATTRIBUTE = "sphere_position"
+_kept = []
 
 
 def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, SphereMap]] = None):
@@ -41,14 +42,21 @@ def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:
     return SphereMap(mesh.vertex_custom_point_attribute_matrix(ATTRIBUTE), texture, figures or {})
 
 
+def keep(meshes) -> None:
+    """PyMeshLab goes on writing into the log of a MeshSet in which something failed, also when it is gone: keep the last one."""
+    _kept[:] = [meshes]
+
+
 def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
     """Runs a filter; what it refuses comes as a FilterError with the filter's own words."""
     try:
         return meshes.apply_filter(name, **parameters) or {}
     except RuntimeError as error:  # pybind11 could not convert a value: it names neither the parameter nor the type
+        keep(meshes)
         given = ", ".join(f"{key}={value!r}" for key, value in parameters.items())
         raise FilterError(name, f"A parameter of {name} has the wrong type: {given}") from error
     except Exception as error:  # PyMeshLab's; the first line says only that the filter failed
+        keep(meshes)
         if not type(error).__module__.startswith("pymeshlab"):
             raise
         text = re.sub(r"^\s*Failed to apply filter:[^\n]*\n?(Details:)?\s*", "", str(error)).strip()
