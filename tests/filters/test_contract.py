@@ -21,6 +21,7 @@ PARAMETERS = {
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,
+        "threads": 0,
     },
     REMESH: {"frequency": 10, "color_landmarks": True},
     EVALUATE: {},

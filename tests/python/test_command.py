@@ -152,7 +152,8 @@ def test_wrong_arguments_end_with_2(capsys):
 def test_interrupting_it(tmp_path):
     """Ctrl-C ends it when the filter that runs is done: one line, no traceback, 130."""
     process = subprocess.Popen([sys.executable, "-m", "_sphere_propagation_command", "demo", tmp_path / "out", "--phases", "60"],
-                               cwd=PYTHON, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                               cwd=PYTHON, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # ignored in a shell's background
     process.stdout.readline()  # the first step is over
     process.send_signal(signal.SIGINT)
     said, errors = process.communicate(timeout=300)
