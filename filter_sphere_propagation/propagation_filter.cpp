@@ -102,7 +102,9 @@ class PropagationFilter : public host::Filter {
         "the "
         "surface that was brought onto it (Robust: the moved root; As published: the parent), in the mesh's unit; "
         "<b>repaired_faces</b>: faces that were flipped before the "
-        "repair; " +
+        "repair; <b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of Robust lost it "
+        "and "
+        "alignment with its parent gave it, 2 where that failed as well and it came as published; " +
             mapFiguresInfo() + "<br><br>" + paperReference(),
         host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
   }
@@ -288,7 +290,8 @@ class PropagationFilter : public host::Filter {
     const size_t count = sequence.layers.size();
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);
-    Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries), repairedFaces(entries);
+    Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries), repairedFaces(entries),
+        route(entries);
     for (size_t i = 0; i < count; ++i) {
       const PropagatedLayer& layer = propagated[i];
       const auto row = static_cast<Eigen::Index>(i);
@@ -300,6 +303,7 @@ class PropagationFilter : public host::Filter {
       residualMean[row] = layer.residualMean;
       residualP95[row] = layer.residualP95;
       repairedFaces[row] = layer.repairedFaces;
+      route[row] = static_cast<double>(layer.route);
       std::string line = describeMap(sequence.layers[i].label(), sequence.meshes[i].surface, measures);
       if (isRoot) {
         line += " (root)";
@@ -318,7 +322,8 @@ class PropagationFilter : public host::Filter {
     host::Outputs outputs = {{"parent", parent},
                              {"residual_mean", residualMean},
                              {"residual_p95", residualP95},
-                             {"repaired_faces", repairedFaces}};
+                             {"repaired_faces", repairedFaces},
+                             {"route", route}};
     figures.addTo(outputs);
     return outputs;
   }

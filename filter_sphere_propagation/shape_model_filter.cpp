@@ -95,8 +95,9 @@ class ShapeModelFilter : public host::Filter {
         "<b>specificity</b>: mean distance of random shapes of the model from the nearest training shape; "
         "<b>generalisation_error</b>, <b>specificity_error</b>: their standard errors. A distance is the root mean "
         "square over the landmarks, in the mesh's unit. <b>scores</b>: of every shape along the modes, row by row "
-        "(reshape to shapes x modes); <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how many; "
-        "<b>seconds</b>.<br><br>" +
+        "(reshape to shapes x modes); <b>mean</b> (landmarks x 3) and <b>mode_vectors</b> (modes x landmarks x 3), row "
+        "by row; <b>total_variance</b>: of all modes, kept or not; <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how "
+        "many; <b>seconds</b>.<br><br>" +
             paperReference() +
             "<i>Timothy F. Cootes, Christopher J. Taylor, David H. Cooper and Jim Graham</i><br>"
             "<b>\"Active shape models: their training and application\"</b><br>"
@@ -203,6 +204,10 @@ class ShapeModelFilter : public host::Filter {
     outputs["specificity_error"] = measures.specificityError;
     const Eigen::MatrixXd byShape = model.scores.transpose();  // columns lie in memory one after the other
     outputs["scores"] = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(byShape.data(), byShape.size()));
+    outputs["mean"] = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.mean.data(), model.mean.size()));
+    outputs["mode_vectors"] =
+        Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.modes.data(), model.modes.size()));
+    outputs["total_variance"] = model.totalVariance;
     outputs["shapes"] = static_cast<int>(given.shapeCount());
     outputs["modes"] = static_cast<int>(modes);
     outputs["landmarks"] = static_cast<int>(given.landmarkCount());

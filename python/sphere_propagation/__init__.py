@@ -7,12 +7,14 @@ Importing this package makes PyMeshLab know the plugin's filters, and offers the
     surfaces = sp.read_meshes("phases")                  # closed meshes in order of time, without correspondence
     result = sp.correspond(surfaces, order="Cyclic time")
     result.landmarks[t, j]                               # landmark j at phase t: the same place for all t
+    model = sp.shape_model(result.landmarks, result.landmark_faces)
 """
 from . import plugin as _plugin
 from .correspondence import Correspondence, correspond
 from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError, SpherePropagationWarning
 from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
-from .filters import Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate, remesh
+from .filters import Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate, remesh, shape_model
+from .model import ShapeModel
 from .phantom import Ventricle
 from .projects import write_layers
 from .sphere_map import SphereMap
@@ -20,8 +22,9 @@ from .surface import Surface
 from .version import version as _version
 
 __all__ = ["Correspondence", "FileError", "FilterError", "InputError", "Landmarks", "PluginError", "Propagation",
-           "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate", "make_phantom", "map_colors",
-           "mesh_files", "parameterise_root", "propagate", "read_map", "read_mesh", "read_meshes", "remesh", "write_layers", "write_ply"]
+           "ShapeModel", "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate",
+           "make_phantom", "map_colors", "mesh_files", "parameterise_root", "propagate", "read_map", "read_mesh", "read_meshes", "remesh",
+           "shape_model", "write_layers", "write_ply"]
 __version__ = _version()
 
 _plugin.register()

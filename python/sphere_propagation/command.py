@@ -72,6 +72,8 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
     print(f"\n{report.summary(runs)}\n\nIn {folder.resolve()}:")
     for data in dict.fromkeys(run.data for run in runs):
         print(f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at")
+        if (folder / data / "model.npz").exists():
+            print(f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its scores, and how good it is")
     print("  figures.csv: one row per layer" + ("    *.png: pictures" if (folder / "map.png").exists() else ""))
     return 0
 
@@ -100,7 +102,7 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--version", action="version", version=f"sphere-propagation {version.version()}")
     actions = command.add_subparsers(metavar="COMMAND", required=True)
 
-    run = actions.add_parser("run", help="meshes to maps, landmarks, MeshLab projects, pictures and figures",
+    run = actions.add_parser("run", help="meshes to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
                              description="Takes closed meshes in order of time through the whole job.")
     run.add_argument("meshes", nargs="+", metavar="MESH", help="files (ply, stl, obj, off) or folders of them, in natural order")
     run.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where everything goes; an earlier run's files are replaced")

@@ -7,18 +7,20 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Dict, List, Sequence, Union
+from typing import Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
 from . import layers
 from .errors import FilterError, InputError, SpherePropagationWarning
+from .model import ShapeModel
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surface, as_surfaces
 
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 REMESH = "generate_icosphere_remeshing"
+MODEL = "compute_statistical_shape_model"
 EVALUATE = "get_spherical_parameterisation_measures"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PHANTOM = "create_ventricle_phantom"
@@ -27,6 +29,7 @@ INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
 METHODS = ("Robust", "As published")
 ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
 PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
+ALIGNMENTS = ("Similarity", "Rigid", "None")
 PARTS = ("Cavity", "Wall")
 
 MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
@@ -41,8 +44,9 @@ class Propagation:
     """Maps of all surfaces, in their order, and the figures of the filter.
 
     figures: parent (the surface that the map came from, -1 for the root), residual_mean and residual_p95 (distance of the surface's
-    vertices from what was brought onto it, in their unit), repaired_faces, flipped_faces, area_ratio_sd, area_log_mean,
-    angle_error_mean (degrees), seconds.
+    vertices from what was brought onto it, in their unit), repaired_faces, route (0 by the method asked for; where Robust lost a
+    surface 1 by alignment with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees),
+    seconds.
     """
 
     maps: List[SphereMap]
@@ -130,6 +134,49 @@ def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequenc
     if len(made) != len(surfaces):
         raise FilterError(REMESH, f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.")
     return Landmarks(np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures)
+
+
+def shape_model(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]] = None, *, alignment: str = "Similarity",
+                modes: int = 0, export_file: str = "", area_weights: bool = False, specificity_samples: int = 1000,
+                seed: int = 0) -> ShapeModel:
+    """Mean, modes and scores of landmarks that correspond, and how good a model they make: `shape_model(*remesh(...)[:2])`.
+
+    points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence, shared by all; names: what errors
+    and files call the shapes.
+    alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose, nothing. modes: how many are kept, 0 for all.
+    export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy), .json (scalismo, statismo), .particles
+    (ShapeWorks), .ply, .csv (the scores). area_weights: whether landmarks weigh in the alignment as the area around them.
+    specificity_samples, seed: of the random shapes that the specificity is measured with.
+
+    Identical shapes make a model without modes.
+    """
+    surfaces = _landmark_meshes(points, faces, names)
+    meshes = layers.mesh_set(surfaces)
+    returned = layers.apply(meshes, MODEL, alignment=alignment, modes=modes, mode_layers=0, export_file=str(export_file),
+                            area_weights=area_weights, specificity_samples=specificity_samples, seed=seed)
+    if returned["shapes"] != len(surfaces):
+        raise FilterError(MODEL, f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the others lie on the unit "
+                          "sphere, or are called like a layer of a shape model.")
+    kept, count = returned["modes"], returned["landmarks"]
+    return ShapeModel(np.reshape(returned["mean"], (count, 3)), np.reshape(returned["mode_vectors"], (kept, count, 3)),
+                      returned["eigenvalues"], np.reshape(returned["scores"], (len(surfaces), kept)), surfaces[0].faces,
+                      [surface.name for surface in surfaces], returned["total_variance"],
+                      {name: returned[name] for name in ("compactness", "variance_share", "generalisation", "generalisation_error",
+                                                         "specificity", "specificity_error")})
+
+
+def _landmark_meshes(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]]) -> List[Surface]:
+    points = np.asarray(points)
+    if points.ndim != 3 or points.shape[2] != 3 or points.dtype.kind not in "fiu":
+        raise InputError(f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of shape {points.shape}.")
+    frequency = max(1, round(max(0, points.shape[1] - 2) / 10) ** 0.5)
+    if points.shape[1] != 10 * round(frequency) ** 2 + 2 or np.shape(faces) != (2 * points.shape[1] - 4, 3):
+        raise InputError(f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those that remesh gives: 10 f^2 + 2 "
+                         "landmarks and (20 f^2, 3) faces.")
+    names = [f"shape {k}" for k in range(len(points))] if names is None else list(names)
+    if len(names) != len(points):
+        raise InputError(f"{len(points)} shapes need as many names, not {len(names)}.")
+    return [Surface(shape, faces, name) for shape, name in zip(points, names)]
 
 
 def evaluate(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike]) -> Figures:

@@ -7,8 +7,9 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from . import files, filters, pictures, projects, report
-from .correspondence import correspond
+from .correspondence import Correspondence, correspond
 from .errors import InputError
+from .model import ShapeModel
 from .phantom import Ventricle
 from .progress import Lines
 from .results import ResultFolder
@@ -46,7 +47,7 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
         if home in path.resolve().parents:
             raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
     name = name or next(filter(None, (p.name for p in (Path(meshes[0]).resolve(), *Path(meshes[0]).resolve().parents) if p.is_dir())), "meshes")
-    steps = progress(3 + STEPS_OF_A_METHOD + _picture_count(choices))
+    steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices))
     surfaces = []
     for path in paths:
         steps.begin(f"reading {path.name}")
@@ -59,12 +60,13 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
                         **choices.parameters())
     row = Row(name, result)
     _write_layers(results, name, row, steps)
+    _build_model(results, name, result, steps)
     return _finish(results, [row], [report.Run(name, result)], None, choices, steps)
 
 
 def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: int, progress: Callable[[int], Lines]) -> List[report.Run]:
     """Both parts of the phantom, by both methods, against the truth."""
-    steps = progress(len(filters.PARTS) * (4 + STEPS_OF_A_METHOD * len(filters.METHODS)) + _picture_count(choices, phantom=True))
+    steps = progress(len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS)) + _picture_count(choices, phantom=True))
     results = ResultFolder(folder)
     results.create()
     runs, rows, errors = [], [], []
@@ -86,6 +88,7 @@ def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: 
         runs += [report.Run(name, result, errors[-1][method]) for method, result in found.items()]
         rows.append(Row(part, found["Robust"], unit="mm", up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
+        _build_model(results, name, found["Robust"], steps)
     return _finish(results, rows, runs, errors, choices, steps)
 
 
@@ -101,6 +104,20 @@ def _write_layers(results: ResultFolder, name: str, row: Row, steps: Lines) -> N
     steps.begin(f"{name}: writing layers and projects")
     projects.write_layers(results, name, row)
     steps.done(f"{name}: layers and projects written")
+
+
+def _build_model(results: ResultFolder, name: str, result: Correspondence, steps: Lines) -> ShapeModel:
+    """The shape model of all phases, as a file for NumPy and two tables."""
+    steps.begin(f"{name}: shape model")
+    names = [surface.name for surface in result.surfaces]
+    made: List[ShapeModel] = []
+    results.write(f"{name}/model.npz", lambda path: made.append(
+        filters.shape_model(result.landmarks, result.landmark_faces, names, export_file=str(path))))
+    model = made[0]
+    results.write(f"{name}/scores.csv", lambda path: report.write_scores(path, model))
+    results.write(f"{name}/model.csv", lambda path: report.write_measures(path, model))
+    steps.done(f"{name}: shape model: {report.model_summary(model)}")
+    return model
 
 
 def _finish(results: ResultFolder, rows: Sequence[Row], runs: List[report.Run], errors: Optional[list], choices: Choices,

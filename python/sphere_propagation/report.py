@@ -1,4 +1,4 @@
-"""Figures per layer as CSV, and the small table at the end."""
+"""Figures per layer and of shape models as CSV, and the small table at the end."""
 from __future__ import annotations
 
 import csv
@@ -7,11 +7,12 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from .correspondence import Correspondence
+from .model import ShapeModel
 
-COLUMNS = ("data", "method", "layer", "root", "parent", "vertices", "faces", "flipped_faces", "repaired_faces", "area_ratio_sd",
+COLUMNS = ("data", "method", "layer", "root", "parent", "route", "vertices", "faces", "flipped_faces", "repaired_faces", "area_ratio_sd",
            "area_log_mean", "angle_error_mean", "residual_mean", "residual_p95", "surface_distance_mean", "surface_distance_max",
            "seconds", "remeshing_seconds", "error_mm")
-COUNTS = ("parent", "flipped_faces", "repaired_faces")
+COUNTS = ("parent", "route", "flipped_faces", "repaired_faces")
 
 
 class Run(NamedTuple):
@@ -41,6 +42,34 @@ def write_csv(path, runs: Sequence[Run]) -> None:
         writer.writeheader()
         for run in runs:
             writer.writerows(rows(run))
+
+
+def write_scores(path, model: ShapeModel) -> None:
+    """One row per shape, as the filter's own .csv."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["shape", *(f"mode_{m + 1}" for m in range(len(model.modes)))])
+        for name, scores in zip(model.names, model.scores):
+            writer.writerow([name, *(f"{score:.17g}" for score in scores)])
+
+
+def write_measures(path, model: ShapeModel) -> None:
+    """One row per number of modes."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["modes", "eigenvalue", *model.figures])
+        for m, eigenvalue in enumerate(model.eigenvalues):
+            writer.writerow([m + 1, f"{eigenvalue:.10g}", *(f"{values[m]:.6g}" for values in model.figures.values())])
+
+
+def model_summary(model: ShapeModel, share: float = 0.95) -> str:
+    """A line about how the variance spreads over the modes."""
+    if not len(model.modes):
+        return "all shapes are identical once aligned"
+    found = model.figures["variance_share"]
+    enough = int(np.argmax(found >= share)) + 1
+    return (f"{len(model.modes)} mode{'s' * (len(model.modes) > 1)}, the first with {100 * found[0]:.1f} % of the variance, "
+            f"{enough} for {100 * share:.0f} %")
 
 
 def summary(runs: Sequence[Run]) -> str:

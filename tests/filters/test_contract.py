@@ -48,13 +48,13 @@ PARAMETERS = {
 RETURNED = {
     PHANTOM: {"layers", "vertices", "seconds"},
     ROOT: set(FIGURES),
-    PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", *FIGURES},
+    PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", "route", *FIGURES},
     REMESH: {"surface_distance_mean", "surface_distance_max", "seconds"},
     EVALUATE: {"valid", "degree", *FIGURES},
     SPHERES: {"layers"},
     COLOR: {"layers"},
     MODEL: {"eigenvalues", "compactness", "variance_share", "generalisation", "generalisation_error", "specificity",
-            "specificity_error", "scores", "shapes", "modes", "landmarks", "seconds"},
+            "specificity_error", "scores", "mean", "mode_vectors", "total_variance", "shapes", "modes", "landmarks", "seconds"},
 }
 
 

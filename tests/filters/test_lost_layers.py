@@ -32,6 +32,11 @@ def test_the_log_says_which_layer_was_lost():
     assert "Warning: phantom cavity 00" not in log
 
 
+def test_the_route_says_how_each_layer_got_its_map():
+    log = log_of(f"ms.apply_filter({ROOT!r}); print('route', ms.apply_filter({PROPAGATE!r})['route'].tolist())")
+    assert "route [0.0, 1.0, " in log
+
+
 def test_the_log_names_a_layer_in_another_pose():
     script = SCRIPT.replace('"compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True',
                             '"compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500')

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import sphere_propagation as sp
@@ -45,6 +46,28 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
     assert [row["root"] for row in rows(out)] == ["1", "0", "0"]  # the largest volume is end-diastole
     for name in ("landmarks.png", "checkerboard.png", "map.png", "heart/heart.mlp", "heart/heart_overview.mlp"):
         assert (out / name).stat().st_size > 1000
+
+
+def test_it_builds_the_shape_model(heart, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("run", heart, "-o", out, "--frequency", 3, "--no-pictures") == 0
+    said = capsys.readouterr().out
+    assert re.search(r"heart: shape model: 2 modes, the first with [\d.]+ % of the variance, [12] for 95 %", said)
+    assert "heart/model.npz" in said
+    landmarks = [sp.read_mesh(path).vertices for path in sorted((out / "heart/landmarks").iterdir())]
+    with np.load(out / "heart/model.npz") as file:
+        model = dict(file)
+    assert model["scores"].shape == (3, 2) and model["mean"].shape == (92, 3)
+    again = sp.shape_model(np.array(landmarks), model["faces"])
+    assert again.eigenvalues == pytest.approx(model["eigenvalues"], rel=1e-4)  # files hold floats
+    with open(out / "heart/scores.csv", newline="") as file:
+        table = list(csv.reader(file))
+    assert table[0] == ["shape", "mode_1", "mode_2"] and [line[0] for line in table[1:]] == [path.stem for path in sorted(heart.iterdir())]
+    assert np.array_equal(np.array([line[1:] for line in table[1:]], float), model["scores"])
+    with open(out / "heart/model.csv", newline="") as file:
+        measures = list(csv.DictReader(file))
+    assert [line["modes"] for line in measures] == ["1", "2"] and float(measures[1]["variance_share"]) == pytest.approx(1)
+    assert [float(line["eigenvalue"]) for line in measures] == pytest.approx(model["eigenvalues"], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["../evil", "a/b", "..", ""])

@@ -15,11 +15,12 @@ FUNCTIONS = {
     sp.propagate: (filters.PROPAGATE, set()),
     sp.remesh: (filters.REMESH, {"color_landmarks"}),  # arrays of points have no colours
     sp.evaluate: (filters.EVALUATE, set()),
+    sp.shape_model: (filters.MODEL, {"standard_deviations", "mode_layers"}),  # of the layers that show modes
     sp.map_colors: (filters.COLOR, {"store_area_ratio", "landmark_layers"}),  # nor is there quality, nor landmark layers
     sp.make_phantom: (filters.PHANTOM, set()),
 }
 CHOICES = {"initial_map": filters.INITIAL_MAPS, "method": filters.METHODS, "order": filters.ORDERS, "part": filters.PARTS,
-           "pattern": filters.PATTERNS}
+           "pattern": filters.PATTERNS, "alignment": filters.ALIGNMENTS}
 
 
 def tetrahedron(scale=1.0):
@@ -53,6 +54,7 @@ def test_choices_are_the_filters(parameter, cycle):
             "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
             "order": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"),
             "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
+            "alignment": lambda value: sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment=value),
             "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4)}[parameter]
     for choice in CHOICES[parameter]:
         call(choice)
