@@ -16,8 +16,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-ClosedSurface surfaceOf(const Mesh& mesh) { return {mesh.vertices, mesh.faces}; }
-
 SphereMap harmonicMap(const ClosedSurface& surface) { return {surface, harmonicPositions(surface)}; }
 
 MapMeasures measuresOf(const ClosedSurface& surface, const SphereMap& start, double areaWeight) {

@@ -17,8 +17,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-ClosedSurface surfaceOf(const test::Mesh& mesh) { return {mesh.vertices, mesh.faces}; }
-
 bool isPole(const Poles& poles, int v) { return v == poles.north || v == poles.south; }
 
 /// What longitudes miss by on the way from v to w: 2 pi when one walks eastward over the date line, -2 pi westward.

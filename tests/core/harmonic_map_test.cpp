@@ -15,8 +15,6 @@
 namespace sphere_propagation {
 namespace {
 
-ClosedSurface surfaceOf(const test::Mesh& mesh) { return {mesh.vertices, mesh.faces}; }
-
 /// A third of the areas of the faces round each vertex.
 Eigen::VectorXd vertexAreas(const ClosedSurface& surface) {
   const Eigen::VectorXd areas = faceAreas(surface.vertices(), surface.faces());

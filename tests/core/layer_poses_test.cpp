@@ -27,8 +27,6 @@ Mesh phaseOf(int phase) {
   return mesh;
 }
 
-ClosedSurface surfaceOf(const Mesh& mesh) { return {mesh.vertices, mesh.faces, "phase"}; }
-
 std::vector<ClosedSurface> sequence(int phases) {
   std::vector<ClosedSurface> surfaces;
   for (int i = 0; i < phases; ++i) surfaces.push_back(surfaceOf(phaseOf(i)));
@@ -76,10 +74,7 @@ TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
 
 TEST(LayerPoses, AMirrorImageIsNamed) {
   std::vector<ClosedSurface> surfaces = sequence(3);
-  Mesh mesh = phaseOf(1);
-  mesh.vertices.col(0) *= -1;
-  mesh.faces.col(1).swap(mesh.faces.col(2));
-  surfaces[1] = surfaceOf(mesh);
+  surfaces[1] = surfaceOf(test::mirrored(phaseOf(1)));
   const std::vector<LayerPose> poses = findLayerPoses(surfaces, star(3, 0), pool);
   EXPECT_TRUE(poses[1].mirrored);
   EXPECT_FALSE(poses[2].mirrored);

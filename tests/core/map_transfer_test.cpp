@@ -14,13 +14,8 @@
 namespace sphere_propagation {
 namespace {
 
+using test::largestDistance;
 using test::Mesh;
-
-ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface") {
-  return ClosedSurface(mesh.vertices, mesh.faces, name);
-}
-
-double largestDistance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
 
 TEST(MapTransfer, ToTheSameSurfaceIsTheIdentity) {
   const Mesh mesh = test::noisyEllipsoid(1);

@@ -14,8 +14,6 @@
 namespace sphere_propagation {
 namespace {
 
-ClosedSurface surfaceOf(const test::Mesh& mesh) { return {mesh.vertices, mesh.faces, "shape"}; }
-
 TEST(NearbyMap, LeavesAValidMapAlone) {
   for (const test::Mesh& mesh : {test::noisyEllipsoid(3), test::cup(0.2, 24, 12), test::box(5), test::tetrahedron()}) {
     const ClosedSurface surface = surfaceOf(mesh);

@@ -19,13 +19,8 @@ namespace {
 
 ThreadPool pool(2);
 
+using test::largestDistance;
 using test::Mesh;
-
-ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface") {
-  return ClosedSurface(mesh.vertices, mesh.faces, name);
-}
-
-double largestDistance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
 
 Eigen::Matrix3d turnAbout(const Vector3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
@@ -48,6 +43,16 @@ struct Sequence {
     positions.rowwise() -= positions.colwise().mean().eval();
     positions.rowwise().normalize();
     return SphereMap(surfaces[layer], positions);
+  }
+  /// The same with the second layer in another place.
+  std::vector<ClosedSurface> withSecondMoved(const Eigen::Matrix3d& rotation, double scale,
+                                             const Vector3& shift) const {
+    std::vector<ClosedSurface> layers;
+    for (size_t i = 0; i < surfaces.size(); ++i) {
+      const Mesh mesh{surfaces[i].vertices(), surfaces[i].faces()};
+      layers.push_back(i == 1 ? surfaceOf(test::transformed(mesh, rotation, scale, shift), "elsewhere") : surfaces[i]);
+    }
+    return layers;
   }
 };
 
@@ -121,15 +126,10 @@ TEST(Propagation, GoesAlongTheTree) {
 }
 
 TEST(Propagation, FindsALayerInAnotherPose) {
-  std::vector<ClosedSurface> surfaces;
   const Sequence sequence(3);
   const SphereMap root = sequence.map(0);
-  const ClosedSurface& second = sequence.surfaces[1];
-  surfaces.push_back(sequence.surfaces[0]);
-  surfaces.push_back(surfaceOf(
-      test::transformed({second.vertices(), second.faces()}, turnAbout(Vector3(1, 2, 3), 0.4), 1, Vector3(200, 0, 0)),
-      "far away"));
-  surfaces.push_back(sequence.surfaces[2]);
+  const std::vector<ClosedSurface> surfaces =
+      sequence.withSecondMoved(turnAbout(Vector3(1, 2, 3), 0.4), 1, Vector3(200, 0, 0));
   const PropagationTree tree = timeOrder(3, 0);
   ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
@@ -142,15 +142,10 @@ TEST(Propagation, FindsALayerInAnotherPose) {
 
 TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   // The second layer is ten times as large: no fit of neighbours in time follows that.
-  std::vector<ClosedSurface> surfaces;
   const Sequence sequence(3);
   const SphereMap root = sequence.map(0);
-  const ClosedSurface& second = sequence.surfaces[1];
-  surfaces.push_back(sequence.surfaces[0]);
-  surfaces.push_back(surfaceOf(
-      test::transformed({second.vertices(), second.faces()}, Eigen::Matrix3d::Identity(), 10, Vector3::Zero()),
-      "in another unit"));
-  surfaces.push_back(sequence.surfaces[2]);
+  const std::vector<ClosedSurface> surfaces =
+      sequence.withSecondMoved(Eigen::Matrix3d::Identity(), 10, Vector3::Zero());
   const PropagationTree tree = timeOrder(3, 0);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
   ASSERT_FALSE(layers[1].pose.moved);
@@ -242,7 +237,9 @@ TEST(Propagation, RefusesLayersInDifferentUnits) {
     }
     PropagationParameters parameters;
     parameters.method = PropagationMethod::AsPublished;  // scales each layer to its parent
-    if (scale > 1e-6 && scale < 1e6) EXPECT_NO_THROW(propagate(surfaces, root, timeOrder(3, 0), parameters));
+    if (scale > 1e-6 && scale < 1e6) {
+      EXPECT_NO_THROW(propagate(surfaces, root, timeOrder(3, 0), parameters));
+    }
   }
   const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0)).layers;
   EXPECT_EQ(layers[0].relativeSize, 1);

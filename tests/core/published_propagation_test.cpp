@@ -20,10 +20,6 @@ namespace {
 
 using test::Mesh;
 
-ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface") {
-  return ClosedSurface(mesh.vertices, mesh.faces, name);
-}
-
 /// All nodes at these positions, fixed where listed.
 FixedNodes fixedAt(const Points& positions, const std::vector<int>& fixed) {
   std::vector<VertexPair> pairs;

@@ -19,6 +19,15 @@ double difference(const RigidMotion& a, const RigidMotion& b) {
   return (a.rotation - b.rotation).norm() + (a.translation - b.translation).norm();
 }
 
+TEST(RigidMotion, AppliesOneAfterTheOtherAndBack) {
+  const RigidMotion a = turn(50, {1, 2, 3}, {4, 5, -6}), b = turn(-20, {0, 1, 3}, {1, 0, 2});
+  const Points points = test::octahedron().vertices;
+  EXPECT_LT(test::largestDistance((a * b).applyTo(points), a.applyTo(b.applyTo(points))), 1e-12);
+  EXPECT_LT(test::largestDistance(a.inverse().applyTo(a.applyTo(points)), points), 1e-12);
+  EXPECT_TRUE(RigidMotion().isIdentity());
+  EXPECT_FALSE(a.isIdentity());
+}
+
 TEST(FitRigid, RecoversAnyMotion) {
   const Points points = test::noisyEllipsoid(1).vertices;
   for (unsigned seed = 0; seed < 10; ++seed) {

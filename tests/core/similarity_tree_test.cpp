@@ -17,8 +17,6 @@ ThreadPool pool(2);
 
 using test::Mesh;
 
-ClosedSurface surfaceOf(const Mesh& mesh) { return ClosedSurface(mesh.vertices, mesh.faces); }
-
 /// Ellipsoids whose longest axis is 30 + step[i], of other meshes, each somewhere else.
 std::vector<ClosedSurface> family(const std::vector<int>& steps, bool turned) {
   std::vector<ClosedSurface> surfaces;

@@ -354,6 +354,12 @@ Mesh duplicatedVertices() {
   return soup;
 }
 
+Mesh mirrored(Mesh mesh) {
+  mesh.vertices.col(0) *= -1;
+  mesh.faces.col(1).swap(mesh.faces.col(2));
+  return mesh;
+}
+
 Mesh stretched(Mesh mesh, double x, double y, double z) {
   mesh.vertices.array().rowwise() *= Eigen::Array<double, 1, 3>(x, y, z);
   return mesh;
@@ -363,5 +369,9 @@ Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const
   mesh.vertices = ((scale * (mesh.vertices * rotation.transpose())).rowwise() + translation.transpose()).eval();
   return mesh;
 }
+
+ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name) { return {mesh.vertices, mesh.faces, name}; }
+
+double largestDistance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
 
 }  // namespace sphere_propagation::test

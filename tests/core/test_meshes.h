@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <random>
+#include <string>
 
 #include "vcg_ext/base/matrices.h"
+#include "vcg_ext/mesh/closed_surface.h"
 
 namespace sphere_propagation::test {
 
@@ -72,9 +74,16 @@ Mesh withNaN();                 ///< icosahedron, vertex 5
 Mesh withDegenerateFace();      ///< icosahedron and face 20 = (0, 0, 1)
 Mesh duplicatedVertices();      ///< icosahedron as a soup of 20 faces with three vertices of their own each
 
+/// The mirror image, oriented outwards.
+Mesh mirrored(Mesh mesh);
 /// The same mesh stretched along the axes.
 Mesh stretched(Mesh mesh, double x, double y, double z);
 /// The same mesh in another place: rotation, then scale, then translation.
 Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation);
+
+ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name = "surface");
+
+/// Between points of the same row.
+double largestDistance(const Points& a, const Points& b);
 
 }  // namespace sphere_propagation::test

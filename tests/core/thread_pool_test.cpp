@@ -31,6 +31,20 @@ TEST(ThreadPool, DoesEveryTaskAndThrowsTheFirstFailure) {
   }
 }
 
+TEST(ThreadPool, MakesObjectsInOrder) {
+  struct Square {
+    explicit Square(int of) : value(of * of) {}
+    int value;
+  };
+  for (int threads : {1, 3}) {
+    ThreadPool pool(threads);
+    const std::vector<Square> squares = pool.makeEach(100, [](int i) { return Square(i); });
+    ASSERT_EQ(squares.size(), 100U);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(squares[static_cast<size_t>(i)].value, i * i);
+    EXPECT_TRUE(pool.makeEach(0, [](int i) { return Square(i); }).empty());
+  }
+}
+
 TEST(ThreadPool, VisitsEveryIndexOnce) {
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);

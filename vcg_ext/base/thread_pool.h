@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sphere_propagation {
@@ -68,6 +71,18 @@ class ThreadPool {
           count, [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); }, &task);
     for (const std::exception_ptr& failure : failures)
       if (failure) std::rethrow_exception(failure);
+  }
+
+  /// What f(0), ..., f(count - 1) return, in this order; otherwise as forEach.
+  template <class Function>
+  auto makeEach(int count, const Function& f) {
+    using Made = std::decay_t<decltype(f(0))>;
+    std::vector<std::optional<Made>> made(static_cast<size_t>(count));  // for types that only f can make
+    forEach(count, [&](int i) { made[static_cast<size_t>(i)].emplace(f(i)); });
+    std::vector<Made> all;
+    all.reserve(made.size());
+    for (std::optional<Made>& one : made) all.push_back(std::move(*one));
+    return all;
   }
 
   static constexpr int rangeSize = 4096;

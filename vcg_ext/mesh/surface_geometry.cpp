@@ -33,6 +33,8 @@ Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces) {
   return areas;
 }
 
+double radiusOfSphere(double area) { return std::sqrt(area / (4 * pi)); }
+
 Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces) {
   const Eigen::VectorXd areas = faceAreas(vertices, faces);
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(vertices.rows());

@@ -10,6 +10,9 @@ namespace sphere_propagation {
 /// Area of each face, #F.
 Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces);
 
+/// Radius of the sphere of this area: the size of a surface.
+double radiusOfSphere(double area);
+
 /// A third of the area of the faces around each vertex, #V.
 Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces);
 

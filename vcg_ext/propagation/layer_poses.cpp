@@ -11,16 +11,6 @@ namespace {
 constexpr double nearEnough = 0.05;  // in R
 constexpr double farBetter = 1.6;
 
-RigidMotion inverse(const RigidMotion& motion) {
-  const Eigen::Matrix3d back = motion.rotation.transpose();
-  return {back, -back * motion.translation};
-}
-
-/// First the second, then the first.
-RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
-  return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
-}
-
 ClosedSurface mirrorImage(const ClosedSurface& surface) {
   Points vertices = surface.vertices();
   vertices.col(0) = -vertices.col(0);
@@ -29,29 +19,36 @@ ClosedSurface mirrorImage(const ClosedSurface& surface) {
   return {vertices, faces, surface.name()};
 }
 
-/// The pose relative to a layer that lies well, `as` moved by asToRoot.
-LayerPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
-  // As it lies, or where that one was laid: what was moved with it needs no pose of its own.
+struct FoundPose {
   LayerPose pose;
-  double distance = shapeDistance(shape, as, inverse(asToRoot));
-  const double beside = shapeDistance(shape, as);
-  if (beside < distance) {
-    distance = beside;
-    pose.toRoot = asToRoot;
-  }
-  if (distance > nearEnough * as.radius()) {
-    const RigidMotion found = motionFromAnywhere(shape, as);
-    if (distance > farBetter * shapeDistance(shape, as, found)) {
-      pose.moved = true;
-      pose.toRoot = asToRoot * found;
+  double distance;  // of the shapes, so laid
+};
+
+/// The pose relative to a layer that lies well, `as` moved by asToRoot.
+FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
+  // As it lies, or where that one was laid: what was moved with it needs no pose of its own.
+  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse())};
+  if (!asToRoot.isIdentity()) {
+    const double beside = shapeDistance(shape, as);
+    if (beside < found.distance) {
+      found.distance = beside;
+      found.pose.toRoot = asToRoot;
     }
   }
-  return pose;
+  if (found.distance > nearEnough * as.radius()) {
+    const RigidMotion motion = motionFromAnywhere(shape, as);
+    const double distance = shapeDistance(shape, as, motion);
+    if (found.distance > farBetter * distance) {
+      found.distance = distance;
+      found.pose.moved = true;
+      found.pose.toRoot = asToRoot * motion;
+    }
+  }
+  return found;
 }
 
-bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, const LayerPose& pose, const AlignedShape& as,
-                const RigidMotion& asToRoot) {
-  const double distance = shapeDistance(shape, as, inverse(asToRoot) * pose.toRoot);
+/// Whether the mirror image fits far better than the shape does at this distance.
+bool isMirrored(const ClosedSurface& surface, double distance, const AlignedShape& as) {
   if (distance <= nearEnough * as.radius()) return false;
   const AlignedShape mirrored(mirrorImage(surface));
   return distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
@@ -71,16 +68,12 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
     int ancestor = s;
     while (poses[static_cast<size_t>(ancestor)].moved) ancestor = tree.parent[static_cast<size_t>(ancestor)];
     const auto near = static_cast<size_t>(s), far = static_cast<size_t>(ancestor);
+    FoundPose found = findPose(shapes[i], shapes[far], poses[far].toRoot);
+    const bool anew = found.pose.moved && near != far;
+    if (anew) found = findPose(shapes[i], shapes[near], poses[near].toRoot);
     LayerPose& pose = poses[i];
-    pose = findPose(shapes[i], shapes[far], poses[far].toRoot);
-    const AlignedShape* as = &shapes[far];
-    const RigidMotion* asToRoot = &poses[far].toRoot;
-    if (pose.moved && near != far) {
-      as = &shapes[near];
-      asToRoot = &poses[near].toRoot;
-      pose = findPose(shapes[i], *as, *asToRoot);
-    }
-    pose.mirrored = isMirrored(surfaces[i], shapes[i], pose, *as, *asToRoot);
+    pose = found.pose;
+    pose.mirrored = isMirrored(surfaces[i], found.distance, shapes[anew ? near : far]);
     const Vector3& centre = shapes[i].centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -141,13 +140,8 @@ MotionTarget::MotionTarget(const ClosedSurface& layer)
       meanEdge(meanEdgeLength(layer.vertices(), layer.faces())) {}
 
 std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
-  std::vector<std::optional<MotionTarget>> made(surfaces.size());
-  pool.forEach(static_cast<int>(surfaces.size()),
-               [&](int i) { made[static_cast<size_t>(i)].emplace(surfaces[static_cast<size_t>(i)]); });
-  std::vector<MotionTarget> targets;
-  targets.reserve(made.size());
-  for (std::optional<MotionTarget>& target : made) targets.push_back(std::move(*target));
-  return targets;
+  return pool.makeEach(static_cast<int>(surfaces.size()),
+                       [&](int i) { return MotionTarget(surfaces[static_cast<size_t>(i)]); });
 }
 
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,

@@ -64,7 +64,7 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
                         .interpolate(surface.faces(), surface.vertices())
                         .transpose();
   areas_ = vertexAreas(nodes_, faces_);
-  const double radius = std::sqrt(areas_.sum() / (4 * pi));
+  const double radius = radiusOfSphere(areas_.sum());
   meanVertexArea_ = faceAreas(surface.vertices(), surface.faces()).sum() / surface.vertexCount();
 
   local_ = kernelFactor<decltype(local_)>(nodes_, areas_, radius);

@@ -41,15 +41,11 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
                          ".");
 }
 
-/// Radius of the sphere of the same area.
-double sizeOf(const ClosedSurface& surface) {
-  return std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi));
-}
-
 /// The size of each layer relative to its parent's; 1 at the root.
 std::vector<double> relativeSizes(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree) {
   std::vector<double> sizes, relative(surfaces.size(), 1);
-  for (const ClosedSurface& surface : surfaces) sizes.push_back(sizeOf(surface));
+  for (const ClosedSurface& surface : surfaces)
+    sizes.push_back(radiusOfSphere(faceAreas(surface.vertices(), surface.faces()).sum()));
   for (size_t i = 0; i < surfaces.size(); ++i)
     if (tree.parent[i] >= 0) relative[i] = sizes[i] / sizes[static_cast<size_t>(tree.parent[i])];
   return relative;

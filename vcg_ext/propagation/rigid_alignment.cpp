@@ -14,6 +14,15 @@ Points RigidMotion::applyTo(const Points& points) const {
   return (points * rotation.transpose()).rowwise() + translation.transpose();
 }
 
+RigidMotion RigidMotion::inverse() const {
+  const Eigen::Matrix3d back = rotation.transpose();
+  return {back, -back * translation};
+}
+
+RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
+  return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
+}
+
 RigidMotion fitRigid(const Points& from, const Points& to) {
   if (from.rows() == 0 || from.rows() != to.rows())
     throw ParameterError(

@@ -12,7 +12,12 @@ struct RigidMotion {
   Vector3 translation = Vector3::Zero();
   /// points: #P by 3, moved.
   Points applyTo(const Points& points) const;
+  bool isIdentity() const { return rotation.isIdentity(0) && translation.isZero(0); }
+  RigidMotion inverse() const;
 };
+
+/// First b, then a.
+RigidMotion operator*(const RigidMotion& a, const RigidMotion& b);
 
 /// The rigid motion that brings the rows of `from` closest to those of `to` in the sum of squares (W. Kabsch, A
 /// solution for the best rotation to relate two sets of vectors, 1976; no reflection: S. Umeyama, Least-squares

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "vcg_ext/mesh/icosphere.h"
@@ -40,17 +38,9 @@ Points spreadOver(const Points& points, const Vector3& centre) {
   return spread;
 }
 
-/// Centre by area (vertices lie as the mesh likes).
-Vector3 centreOf(const ClosedSurface& surface) {
-  const Eigen::VectorXd areas = vertexAreas(surface.vertices(), surface.faces());
-  return surface.vertices().transpose() * areas / areas.sum();
-}
-
-Eigen::Matrix3d axesOf(const ClosedSurface& surface, const Vector3& centre) {
-  const Points centred = surface.vertices().rowwise() - centre.transpose();
-  Eigen::VectorXd weights = vertexAreas(surface.vertices(), surface.faces());
-  weights /= weights.sum();
-  const Eigen::Matrix3d covariance = centred.transpose() * weights.asDiagonal() * centred;
+Eigen::Matrix3d axesOf(const Points& points, const Vector3& centre, const Eigen::VectorXd& shares) {
+  const Points centred = points.rowwise() - centre.transpose();
+  const Eigen::Matrix3d covariance = centred.transpose() * shares.asDiagonal() * centred;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
   Eigen::Matrix3d axes;
   axes.col(0) = solver.eigenvectors().col(2);
@@ -75,8 +65,7 @@ RigidMotion about(const Vector3& fromCentre, const Vector3& toCentre, const Eige
 }
 
 RigidMotion refined(const RigidMotion& start, const Points& points, const VertexLocator& vertices, int iterations) {
-  const RigidMotion step = alignRigidly(start.applyTo(points), vertices, iterations).motion;
-  return {step.rotation * start.rotation, step.rotation * start.translation + step.translation};
+  return alignRigidly(start.applyTo(points), vertices, iterations).motion * start;
 }
 
 /// Proper rotations that lay axes on axes: those of an even number of signs.
@@ -147,9 +136,12 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, 
 }
 
 AlignedShape::AlignedShape(const ClosedSurface& surface)
-    : centre_(centreOf(surface)),
-      radius_(std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi))),
-      axes_(axesOf(surface, centre_)),
+    : AlignedShape(surface, vertexAreas(surface.vertices(), surface.faces())) {}
+
+AlignedShape::AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& areas)
+    : centre_(surface.vertices().transpose() * areas / areas.sum()),
+      radius_(radiusOfSphere(areas.sum())),
+      axes_(axesOf(surface.vertices(), centre_, areas / areas.sum())),
       samples_(spreadOver(surface.vertices(), centre_)),
       vertices_(surface.vertices()),
       normals_(vertexNormals(surface.vertices(), surface.faces())),
@@ -157,13 +149,8 @@ AlignedShape::AlignedShape(const ClosedSurface& surface)
       surface_(surface.vertices(), surface.faces()) {}
 
 std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
-  std::vector<std::optional<AlignedShape>> made(surfaces.size());
-  pool.forEach(static_cast<int>(surfaces.size()),
-               [&](int i) { made[static_cast<size_t>(i)].emplace(surfaces[static_cast<size_t>(i)]); });
-  std::vector<AlignedShape> shapes;
-  shapes.reserve(made.size());
-  for (std::optional<AlignedShape>& shape : made) shapes.push_back(std::move(*shape));
-  return shapes;
+  return pool.makeEach(static_cast<int>(surfaces.size()),
+                       [&](int i) { return AlignedShape(surfaces[static_cast<size_t>(i)]); });
 }
 
 RigidMotion motionByAxes(const AlignedShape& from, const AlignedShape& to) {
@@ -226,10 +213,8 @@ double shapeDistance(const AlignedShape& from, const AlignedShape& to, const Rig
     }
     return std::sqrt(sum / static_cast<double>(points.rows()));
   };
-  const Eigen::Matrix3d inverse = motion.rotation.transpose();
-  const RigidMotion back{inverse, -inverse * motion.translation};
   return (rootMeanSquare(motion.applyTo(from.samples_), to.surface_) +
-          rootMeanSquare(back.applyTo(to.samples_), from.surface_)) /
+          rootMeanSquare(motion.inverse().applyTo(to.samples_), from.surface_)) /
          2;
 }
 

@@ -18,7 +18,7 @@ class AlignedShape {
   explicit AlignedShape(const ClosedSurface& surface);
 
   const Points& samples() const { return samples_; }  ///< #S by 3, where the surface lies
-  const Vector3& centre() const { return centre_; }   ///< of the surface, by area
+  const Vector3& centre() const { return centre_; }   ///< by area: vertices lie as the mesh likes
   double radius() const { return radius_; }           ///< of the sphere of the same area
 
  private:
@@ -26,6 +26,8 @@ class AlignedShape {
   friend RigidMotion motionByAxes(const AlignedShape&, const AlignedShape&);
   friend RigidMotion motionFromAnywhere(const AlignedShape&, const AlignedShape&);
   friend double shapeDistance(const AlignedShape&, const AlignedShape&, const RigidMotion&);
+
+  AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& areas);  // of the vertices
 
   Vector3 centre_;
   double radius_;
