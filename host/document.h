@@ -5,6 +5,7 @@
 #ifdef HOST_IS_MESHLAB_2020
 #include <common/filter_parameter/rich_parameter_list.h>
 #include <common/meshmodel.h>
+using RichFileOpen = RichOpenFile;
 using RichFileSave = RichSaveFile;
 #else
 #include <common/ml_document/mesh_document.h>

@@ -25,6 +25,9 @@ void add(RichParameterList& list, const Parameter& parameter, const MeshDocument
       addRichParameter<RichEnum>(list, p, v.chosen, names);
     }
     void operator()(const Parameter::LayerId&) const { addLayerParameter(list, p, document); }
+    void operator()(const Parameter::File& v) const {
+      addRichParameter<RichFileOpen>(list, p, QString(), QStringList(qt(v.filter)));
+    }
     void operator()(const Parameter::NewFile& v) const {
       addRichParameter<RichFileSave>(list, p, QString(), qt(v.filter));
     }
@@ -47,6 +50,7 @@ class RichValues : public ParameterValues {
     return chosen;
   }
   int layerId(const std::string& name) const override { return chosenLayerId(list_, name); }
+  std::string file(const std::string& name) const override { return list_.getOpenFileName(qt(name)).toStdString(); }
   std::string newFile(const std::string& name) const override { return list_.getSaveFileName(qt(name)).toStdString(); }
 
  private:

@@ -17,6 +17,10 @@ struct Parameter {
   struct LayerId {
     int id = 0;
   };
+  /// A file to be read.
+  struct File {
+    std::string filter;  ///< what the file dialog offers: "Volumes (*.nii *.nrrd)"
+  };
   /// A file to be written; none by default.
   struct NewFile {
     std::string filter;  ///< what the file dialog offers: "NumPy (*.npz);;Table (*.csv)"
@@ -25,7 +29,7 @@ struct Parameter {
   std::string name;   ///< lower_snake, what scripts say
   std::string label;  ///< what the dialog says
   std::string help;   ///< the tooltip: one or two sentences, with unit and range
-  std::variant<bool, int, double, std::string, Choice, LayerId, NewFile> value;  ///< the default
+  std::variant<bool, int, double, std::string, Choice, LayerId, File, NewFile> value;  ///< the default
   bool advanced = false;
   std::string note = {};  ///< a remark on this project, which the dialog shows with the label
 
@@ -53,6 +57,7 @@ class ParameterValues {
   virtual std::string text(const std::string& name) const = 0;
   virtual int choice(const std::string& name) const = 0;  ///< index into Choice::names
   virtual int layerId(const std::string& name) const = 0;
+  virtual std::string file(const std::string& name) const = 0;     ///< a path; empty: none chosen
   virtual std::string newFile(const std::string& name) const = 0;  ///< a path; empty: none
 };
 

@@ -284,7 +284,7 @@ TEST(VolumeSurface, SaysWhichLabelsThereAre) {
   try {
     volumeSurface(labels, parameters);
     FAIL();
-  } catch (const VolumeError& error) {
+  } catch (const AbsentLabelError& error) {
     EXPECT_NE(std::string(error.what()).find("labels 4, 5"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("occur are 1."), std::string::npos) << error.what();
   }
@@ -303,6 +303,10 @@ TEST(VolumeSurface, RefusesParametersOutOfRange) {
     EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   }
   parameters.interpolation.voxelSize = 0;
+  parameters.interpolation.labels = {1, 0};
+  EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
+  parameters.interpolation.labels = {1, 2};  // all of a union must be there
+  EXPECT_THROW(volumeSurface(labels, parameters), AbsentLabelError);
   parameters.interpolation.labels.clear();
   EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   parameters.interpolation = {};

@@ -56,6 +56,11 @@ class VolumeError : public Error {
   using Error::Error;
 };
 
+/// A label that was asked for occurs nowhere in a label volume.
+class AbsentLabelError : public VolumeError {
+  using VolumeError::VolumeError;
+};
+
 /// A file cannot be written; nothing was changed in what was there before.
 class ExportError : public Error {
   using Error::Error;

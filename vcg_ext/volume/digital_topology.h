@@ -40,10 +40,8 @@ struct RemovedHandles {
 /// cuts the handles where they are thinnest; or, for one part, from a box round it inwards, farthest first, as far as
 /// the mask allows, which fills them by membranes. Whichever changes fewer voxels (cutting when equal). The topology
 /// of a front never changes, so the result has that of the seed.
-/// S. Bischoff and L. Kobbelt, Isosurface reconstruction with topology control, Pacific Graphics 2002; F. Segonne, J.
-/// Pacheco and B. Fischl, Geometrically accurate topology-correction of cortical surfaces using nonseparating loops,
-/// 2007 (on the order of growth); X. Han, C. Xu and J. L. Prince, A topology preserving level set method for geometric
-/// deformable models, 2003.
+/// S. Bischoff and L. Kobbelt, Isosurface reconstruction with topology control, Pacific Graphics 2002; X. Han, C. Xu
+/// and J. L. Prince, A topology preserving level set method for geometric deformable models, 2003.
 ///
 /// depth: one value per voxel, the larger the deeper inside (a signed distance).
 RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth, const Progress& progress = {});

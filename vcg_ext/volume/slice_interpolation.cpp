@@ -35,18 +35,23 @@ std::string listOf(const std::vector<std::int32_t>& labels) {
   return (labels.size() == 1 ? "label " : "labels ") + text;
 }
 
-[[noreturn]] void throwNoLabel(const LabelGrid& grid, const std::vector<std::int32_t>& labels) {
+/// Throws when one of the labels occurs nowhere.
+void requireLabels(const LabelGrid& grid, const std::vector<std::int32_t>& labels) {
+  const auto counts = grid.count();
+  std::vector<std::int32_t> absent;
+  for (const std::int32_t label : labels)
+    if (counts.count(label) == 0) absent.push_back(label);
+  if (absent.empty()) return;
   std::string found;
   int listed = 0;
-  const auto counts = grid.count();
-  for (const auto& [label, count] : counts)
-    if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label);
+  for (const auto& label : counts)
+    if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label.first);
   if (listed > 10) found += " and " + std::to_string(listed - 10) + " more";
-  throw VolumeError("No voxel has the " + listOf(labels) +
-                    (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
+  throw AbsentLabelError("No voxel has " + listOf(absent) +
+                         (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
 }
 
-/// pad: empty voxels to be left round the labels, along the stack's axes, for a margin in mm.
+/// room: to be left empty round the labels, mm.
 Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, double room) {
   const std::vector<std::int32_t> wanted = [&] {
     std::vector<std::int32_t> sorted = labels;
@@ -68,7 +73,6 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
         high = high.cwiseMax(Eigen::Vector3i(i, j, k));
       }
     }
-  if (stack.voxels == 0) throwNoLabel(grid, labels);
 
   const Vector3 spacing = grid.spacing();
   int last = 2;  // the slices' axis
@@ -286,6 +290,9 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpo
   if (!(parameters.voxelSize >= 0) || !std::isfinite(parameters.voxelSize))
     throw ParameterError("Label volume: voxel_size must be 0 (the smallest spacing of the file) or more.");
   if (parameters.longestGap < 0) throw ParameterError("Label volume: the longest gap must be 0 slices or more.");
+  for (const std::int32_t label : parameters.labels)
+    if (label == 0) throw ParameterError("Label volume: 0 is the background; the labels must be other numbers.");
+  requireLabels(labels, parameters.labels);
   const double h = parameters.voxelSize > 0 ? parameters.voxelSize : labels.spacing().minCoeff();
   Stack stack = stackOf(labels, parameters.labels, (margin + 2) * h);
 

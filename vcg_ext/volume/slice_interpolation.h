@@ -7,7 +7,7 @@
 namespace sphere_propagation {
 
 struct SliceInterpolationParameters {
-  std::vector<std::int32_t> labels{1};  ///< what counts as inside: the union of these
+  std::vector<std::int32_t> labels{1};  ///< what counts as inside: the union of these; none of them 0
   double voxelSize = 0;                 ///< edge of the cubes, mm; 0: the smallest spacing of the labels
   int longestGap = 10;                  ///< so many empty slices in a row are interpolated, >= 0
 };
@@ -33,8 +33,9 @@ struct InterpolatedLabels {
 /// of the two slices beside the gap has at least a tenth of the other's voxels (half of them where slices lie close);
 /// else the one beyond is another part, and the gap stays.
 ///
-/// Throws VolumeError when no voxel has one of the labels (the text lists those that there are) or the labels are no
-/// sound grid; ParameterError when a parameter is out of range or the grid would have more than 2e8 samples.
+/// Throws AbsentLabelError when no voxel has one of the labels (the text lists those that occur); VolumeError when the
+/// labels are no sound grid; ParameterError when a parameter is out of range or the grid would have more than 2e8
+/// samples.
 InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpolationParameters& parameters = {});
 
 }  // namespace sphere_propagation

@@ -1,0 +1,78 @@
+#include "filter_label_volume/file_series.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+std::string withoutZeros(const std::string& digits) {
+  const size_t first = digits.find_first_not_of('0');
+  return first == std::string::npos ? "0" : digits.substr(first);
+}
+
+/// Digits in the order of the numbers that they write.
+struct BySize {
+  bool operator()(const std::string& a, const std::string& b) const {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  }
+};
+
+}  // namespace
+
+std::string stemOf(const std::string& fileName) {
+  const fs::path name = fs::u8path(fileName).filename();
+  const fs::path stem = name.stem();
+  return (name.extension() == ".gz" ? stem.stem() : stem).u8string();
+}
+
+std::vector<std::string> fileSeries(const std::string& fileName) {
+  const fs::path path = fs::u8path(fileName);
+  const std::string name = path.filename().u8string(), stem = stemOf(fileName);
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.is_regular_file(ignored)) names.push_back(entry.path().filename().u8string());
+  std::sort(names.begin(), names.end());
+
+  for (size_t end = stem.size(); end > 0;) {
+    if (!isDigit(stem[end - 1])) {
+      --end;
+      continue;
+    }
+    size_t begin = end;
+    while (begin > 0 && isDigit(stem[begin - 1])) --begin;
+    const std::string before = name.substr(0, begin), after = name.substr(end);
+    std::map<std::string, std::string, BySize> found;
+    for (const std::string& other : names) {
+      if (other.size() <= before.size() + after.size() || other.compare(0, before.size(), before) != 0 ||
+          other.compare(other.size() - after.size(), after.size(), after) != 0)
+        continue;
+      const std::string digits = other.substr(before.size(), other.size() - before.size() - after.size());
+      if (!std::all_of(digits.begin(), digits.end(), isDigit)) continue;
+      const auto [at, isNew] = found.emplace(withoutZeros(digits), other);
+      if (!isNew)
+        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second + "\" and \"" + other +
+                          "\".");
+    }
+    if (found.size() > 1) {
+      std::vector<std::string> series;
+      for (const auto& file : found) series.push_back((path.parent_path() / fs::u8path(file.second)).u8string());
+      return series;
+    }
+    end = begin;
+  }
+  return {fileName};
+}
+
+}  // namespace sphere_propagation

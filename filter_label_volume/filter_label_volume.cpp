@@ -1,0 +1,17 @@
+#include "filter_label_volume/filter_label_volume.h"
+
+#include "filter_label_volume/import_filter.h"
+
+namespace {
+
+std::vector<std::unique_ptr<sphere_propagation::host::Filter>> makeFilters() {
+  std::vector<std::unique_ptr<sphere_propagation::host::Filter>> filters;
+  filters.push_back(sphere_propagation::makeImportFilter());
+  return filters;
+}
+
+}  // namespace
+
+FilterLabelVolume::FilterLabelVolume() : Plugin("FilterLabelVolume", makeFilters()) {}
+
+MESHLAB_PLUGIN_NAME_EXPORTER(FilterLabelVolume)

@@ -1,0 +1,272 @@
+"""The filter "Import label volume as layers": formats, places in space, parameters, real hearts, bad files."""
+import gzip
+import resource
+import time
+
+import numpy as np
+import pymeshlab
+import pytest
+from scipy.spatial import cKDTree
+
+import volume_files as files
+from documents import snapshot
+from environment import DATA, PROJECT, require
+
+IMPORT = "create_layers_from_label_volume"
+OBLIQUE = np.array([[1.2, 0.5, 0.1, 12], [-0.5, 1.1, 0.3, -40], [0.02, -0.4, 1.4, 80], [0, 0, 0, 1]])
+TO_LPS = np.diag([-1.0, -1, 1, 1])
+
+
+def imported(path, **parameters):
+    ms = pymeshlab.MeshSet()
+    return ms, ms.apply_filter(IMPORT, file_name=str(path), **parameters)
+
+
+def written(folder, name, content):
+    path = folder / name
+    path.write_bytes(content)
+    return path
+
+
+def centre_of(labels, matrix):
+    """Where the middle of the labelled voxels lies."""
+    return matrix[:3, :3] @ np.argwhere(labels).mean(0) + matrix[:3, 3]
+
+
+def require_sphere(mesh):
+    measures = pymeshlab.MeshSet()
+    measures.add_mesh(mesh)
+    topology = measures.apply_filter("get_topological_measures")
+    assert topology["is_mesh_two_manifold"] and topology["boundary_edges"] == 0
+    assert topology["connected_components_number"] == 1 and topology["genus"] == 0
+    assert measures.apply_filter("get_geometric_measures")["mesh_volume"] > 0
+
+
+# ---------------------------------------------------------------- the contract
+
+
+def test_parameters_and_their_defaults():
+    ms = pymeshlab.MeshSet()
+    assert ms.filter_parameter_values(IMPORT) == {
+        "file_name": "", "labels": "1", "voxel_size": 0.0, "smoothing": 1.0, "coordinates": 0, "fill_holes": True,
+        "keep_largest_component": True, "cut_handles": True, "file_series": False, "skip_incomplete_phases": False, "longest_gap": 10}
+
+
+def test_returned_keys_are_documented(tmp_path):
+    _, returned = imported(written(tmp_path, "egg.nii", files.nifti(files.egg())))
+    source = (PROJECT / "filter_label_volume/import_filter.cpp").read_text()
+    for key, value in returned.items():
+        assert f"<b>{key}</b>" in source
+        assert key == "layers" or len(value) == returned["layers"] == 1
+
+
+def test_a_second_run_replaces_the_layers(tmp_path):
+    path = written(tmp_path, "egg.nii", files.nifti(files.egg()))
+    ms, _ = imported(path)
+    ms.apply_filter(IMPORT, file_name=str(path), voxel_size=2)
+    assert [m.label() for m in ms] == ["egg label 1"]
+    two = files.egg() + files.egg(value=0)
+    two[:10] *= 2
+    path.write_bytes(files.nifti(two))
+    ms.apply_filter(IMPORT, file_name=str(path), labels="2")
+    assert [m.label() for m in ms] == ["egg label 1", "egg label 2"]
+
+
+# ---------------------------------------------------------------- formats
+
+
+FORMATS = {
+    "egg.nii": lambda a, m: files.nifti(a, TO_LPS @ m),
+    "egg.nii.gz": lambda a, m: gzip.compress(files.nifti(a, TO_LPS @ m)),
+    "big endian.nii": lambda a, m: files.nifti(a, TO_LPS @ m, big=True),
+    "egg.mha": files.meta,
+    "compressed.mha": lambda a, m: files.meta(a, m, compressed=True),
+    "egg.nrrd": files.nrrd,
+    "compressed.nrrd": lambda a, m: files.nrrd(a, m, encoding="gzip"),
+}
+
+
+def rigid():
+    q, _ = np.linalg.qr(OBLIQUE[:3, :3])
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = q * [1.5, 1.0, 2.0], [10, -20, 30]
+    return matrix
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("phases", [1, 3])
+def test_formats_agree(tmp_path, name, phases):
+    """The matrices are to LPS; the surface lies in RAS, or in LPS on request."""
+    labels, matrix = files.egg(), rigid()
+    array = labels if phases == 1 else np.stack([labels, np.roll(labels, 1, 0), np.roll(labels, 2, 0)], -1)
+    path = written(tmp_path, name, FORMATS[name](array, matrix))
+    ms, returned = imported(path)
+    assert returned["layers"] == phases
+    volume = labels.sum() * abs(np.linalg.det(matrix[:3, :3]))
+    for phase, mesh in enumerate(ms):
+        require_sphere(mesh)
+        middle = centre_of(array if phases == 1 else array[..., phase], TO_LPS @ matrix)
+        assert np.linalg.norm(mesh.vertex_matrix().mean(0) - middle) < 1
+        assert returned["volume"][phase] == pytest.approx(volume, rel=0.03)
+        assert returned["label_volume"][phase] == pytest.approx(volume, rel=1e-5)
+    lps, _ = imported(path, coordinates="LPS")
+    assert np.allclose(lps.mesh(0).vertex_matrix() * [-1, -1, 1], ms.mesh(0).vertex_matrix(), atol=1e-9)
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"])
+def test_types(tmp_path, dtype):
+    ms, _ = imported(written(tmp_path, "egg.nii", files.nifti(files.egg(dtype=dtype, value=100))), labels="100")
+    require_sphere(ms.mesh(0))
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_sheared_and_mirrored_matrices(tmp_path, mirror):
+    labels, matrix = files.egg(), OBLIQUE @ np.diag([mirror, 1, 1, 1])
+    ms, returned = imported(written(tmp_path, "egg.nii", files.nifti(labels, matrix)))
+    require_sphere(ms.mesh(0))
+    assert np.linalg.norm(ms.mesh(0).vertex_matrix().mean(0) - centre_of(labels, matrix)) < 1
+    assert returned["volume"][0] == pytest.approx(labels.sum() * abs(np.linalg.det(matrix[:3, :3])), rel=0.03)
+
+
+def test_qform(tmp_path):
+    half = np.sqrt(0.5)  # a quarter turn round z, z mirrored
+    path = written(tmp_path, "egg.nii", files.nifti(files.egg(), sform=0, qform=(0, 0, half, (5, 6, 7), -1), pixdim=(1, 2, 1.5)))
+    matrix = np.array([[0, -2, 0, 5], [1, 0, 0, 6], [0, 0, -1.5, 7], [0, 0, 0, 1.0]])
+    ms, _ = imported(path)
+    assert np.linalg.norm(ms.mesh(0).vertex_matrix().mean(0) - centre_of(files.egg(), matrix)) < 1
+
+
+def test_a_list_in_nrrd_is_phases(tmp_path):
+    array = np.stack([files.egg(), np.roll(files.egg(), 2, 0)])
+    ms, returned = imported(written(tmp_path, "list.nrrd", files.nrrd(array, TO_LPS, kinds=["list"] + ["domain"] * 3)))
+    assert returned["layers"] == 2
+    assert ms.mesh(1).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0) == pytest.approx([2, 0, 0], abs=0.1)
+
+
+def test_numbered_series(tmp_path):
+    for number in (2, 10, 1):
+        written(tmp_path, f"t{number}_seg.mha", files.meta(np.roll(files.egg(), number // 5, 0)))
+    written(tmp_path, "t3_image.mha", b"something else")
+    ms, returned = imported(tmp_path / "t2_seg.mha", file_series=True)
+    assert [m.label() for m in ms] == ["t1_seg label 1", "t2_seg label 1", "t10_seg label 1"]
+    assert returned["phase"].tolist() == [0, 1, 2]
+    assert imported(tmp_path / "t2_seg.mha")[1]["layers"] == 1
+
+
+# ---------------------------------------------------------------- bad files
+
+
+def refused(path, *words, **parameters):
+    """The filter throws, its text has these words, the document stays as it was, memory does not grow by much."""
+    ms = pymeshlab.MeshSet()
+    ms.create_cube()
+    before, memory = snapshot(ms), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        ms.apply_filter(IMPORT, file_name=str(path), **parameters)
+    for word in words:
+        assert word in str(error.value), str(error.value)
+    assert snapshot(ms) == before
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory < 200_000  # kB
+
+
+NAN = np.array([[np.nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+BAD = {
+    "truncated.nii": (lambda: files.nifti(files.egg())[:-100], "truncated"),
+    "truncated.nii.gz": (lambda: gzip.compress(files.nifti(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1")))[:-2000], "truncated"),
+    "truncated.mha": (lambda: files.meta(files.egg())[:-100], "truncated"),
+    "truncated compressed.mha": (lambda: files.meta(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), compressed=True)[:-2000], "truncated"),
+    "truncated compressed.nrrd": (lambda: files.nrrd(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), encoding="gzip")[:-2000], "ITK"),
+    "time.nrrd": (lambda: files.nrrd(np.zeros((4, 4, 4, 2), "u1"), kinds=["domain"] * 3 + ["time"]), "list"),
+    "truncated.nrrd": (lambda: files.nrrd(files.egg())[:-100], "truncated"),
+    "only a header.nii": (lambda: files.nifti(files.egg())[:200], "ends within its header"),
+    "huge.nii": (lambda: files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400)), "header claims"),
+    "huge.nii.gz": (lambda: gzip.compress(files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400))), "header claims"),
+    "huge.mha": (lambda: files.meta(files.egg((8, 8, 8)), compressed=True, size=(1500, 1500, 1400)), "header claims"),
+    "huge.nrrd": (lambda: files.nrrd(files.egg((8, 8, 8)), encoding="gzip", size=(1500, 1500, 1400)), "header claims"),
+    "beyond.nrrd": (lambda: files.nrrd(files.egg((8, 8, 8)), size=(30000, 30000, 30000)), "4 GB"),
+    "no slices.nii": (lambda: files.nifti(files.egg(), size=(20, 18, 0)), "20 x 18 x 0"),
+    "no slices.mha": (lambda: files.meta(files.egg(), size=(20, 18, 0)), "20 x 18 x 0"),
+    "no slices.nrrd": (lambda: files.nrrd(files.egg(), size=(20, 18, 0)), "20 x 18 x 0"),
+    "negative.nii": (lambda: files.nifti(files.egg(), size=(20, -18, 16)), "20 x -18 x 16"),
+    "five.nii": (lambda: files.nifti(np.zeros((4, 4, 4, 2, 2), "u1")), "5 dimensions"),
+    "flat.nii": (lambda: files.nifti(np.ones((8, 8), "u1")), "2 dimensions"),
+    "nan.nii": (lambda: files.nifti(files.egg(), NAN, pixdim=(1, 1, 1)), "NaN"),
+    "flat matrix.nii": (lambda: files.nifti(files.egg(), np.diag([1.0, 1, 0, 1])), "into a plane"),
+    "image.nii": (lambda: files.nifti(files.egg(dtype="f4") * np.float32(0.37)), "first voxel", "whole numbers"),
+    "nan voxels.nrrd": (lambda: files.nrrd(np.full((5, 5, 5), np.nan, "f4")), "whole numbers"),
+    "too large.nii": (lambda: files.nifti(np.full((5, 5, 5), 2**40, "i8")), "32 bits"),
+    "nothing.nii": (lambda: files.nifti(np.zeros((5, 5, 5), "u1")), "all voxels are 0"),
+    "other labels.nii": (lambda: files.nifti(files.egg(value=7)), "occur are 7"),
+    "text.nii": (lambda: b"not a volume " * 100, "no NIfTI"),
+    "text.mha": (lambda: b"not a volume " * 100, "no MetaImage"),
+    "text.nrrd": (lambda: b"not a volume " * 100, "header is broken"),
+    "empty.nii.gz": (lambda: b"", "ends within its header"),
+    "volume.dcm": (lambda: b"DICM", "formats that are read"),
+    "spread.mhd": (lambda: files.meta(files.egg(), local="slice%03d.raw 1 16 1"), "spread over several files"),
+    "lost.mhd": (lambda: files.meta(files.egg(), local="lost.raw"), "lost.raw"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_files(tmp_path, name):
+    make, *words = BAD[name]
+    refused(written(tmp_path, name, make()), name, *words)
+
+
+def test_no_file(tmp_path):
+    refused("", "file_name is empty")
+    refused(tmp_path / "none.nii", "no such file")
+    refused(tmp_path, "no file")
+
+
+@pytest.mark.parametrize("parameters, word", [
+    ({"labels": "one"}, "whole numbers"), ({"labels": ""}, "empty"), ({"labels": "0"}, "background"), ({"labels": "1,9"}, "label 9"),
+    ({"voxel_size": -1}, "voxel_size"), ({"voxel_size": 0.001}, "larger voxel_size"), ({"smoothing": 9}, "smoothing"), ({"longest_gap": -1}, "gap")])
+def test_bad_parameters(tmp_path, parameters, word):
+    refused(written(tmp_path, "egg.nii", files.nifti(files.egg())), word, **parameters)
+
+
+def test_a_phase_without_the_label_is_named_or_skipped(tmp_path):
+    array = np.stack([files.egg(), np.zeros_like(files.egg()), files.egg()], -1)
+    path = written(tmp_path, "gap.nii", files.nifti(array))
+    refused(path, "gap.nii", "phase 1", "label 1", "skip_incomplete_phases")
+    ms, returned = imported(path, skip_incomplete_phases=True)
+    assert [m.label() for m in ms] == ["gap label 1 phase 00", "gap label 1 phase 02"]
+    assert returned["phase"].tolist() == [0, 2]
+    refused(path, "all were skipped", skip_incomplete_phases=True, labels="3")
+
+
+# ---------------------------------------------------------------- real hearts
+
+
+def volumes(ms):
+    found = []
+    for mesh in ms:
+        require_sphere(mesh)
+        v, f = mesh.vertex_matrix(), mesh.face_matrix()
+        found.append(np.einsum("ij,ij->", v[f[:, 0]], np.cross(v[f[:, 1]], v[f[:, 2]])) / 6000)
+    return np.array(found)
+
+
+def test_cine_with_thick_slices():
+    """Hand-drawn labels, 1.4 x 1.4 x 10 mm."""
+    path = require(DATA / "heart_cine/labels_4d_raw.nii.gz")
+    start = time.process_time()
+    ms, returned = imported(path)
+    print(f"{time.process_time() - start:.2f} s")
+    assert len(list(ms)) == returned["layers"] == 30
+    volume = volumes(ms)
+    assert volume[0] == pytest.approx(212, rel=0.03) and volume.min() == pytest.approx(113, rel=0.05)
+    assert volume == pytest.approx(returned["volume"] / 1000, rel=1e-6)
+    for phase, mesh in enumerate(ms):
+        other = pymeshlab.MeshSet()
+        other.load_new_mesh(str(DATA / f"heart_cine/endo_{phase:02d}.ply"))
+        a, b = mesh.vertex_matrix(), other.mesh(0).vertex_matrix()
+        assert cKDTree(b).query(a)[0].mean() < 1.4 and cKDTree(a).query(b)[0].mean() < 1.4
+
+
+@pytest.mark.parametrize("labels", ["1", "1,2", "2"])
+def test_every_phase_is_a_sphere(labels):
+    ms, returned = imported(require(DATA / "heart_truth/labels_4d_1.5mm.nii.gz"), labels=labels)
+    assert returned["layers"] == 25
+    assert volumes(ms) == pytest.approx(returned["label_volume"] / 1000, rel=0.01)
