@@ -67,6 +67,7 @@ std::vector<std::string> fileSeries(const std::string& fileName) {
     }
     if (found.size() > 1) {
       std::vector<std::string> series;
+      series.reserve(found.size());
       for (const auto& file : found) series.push_back((path.parent_path() / fs::u8path(file.second)).u8string());
       return series;
     }

@@ -189,7 +189,7 @@ class ImportFilter : public host::Filter {
       if (fileCount > 1 && file.phases() > 1)
         throw VolumeError("\"" + files[static_cast<size_t>(f)] + "\" holds " + std::to_string(file.phases()) +
                           " phases by itself; the files of a series hold one each. Import it without file_series.");
-      for (const std::string& note : file.notes()) task.log(stem + ": " + note);
+      for (const std::string& note : file.notes()) task.log(std::string(stem).append(": ").append(note));
       const int phases = fileCount * file.phases();
       for (int p = 0; p < file.phases(); ++p) {
         const Stopwatch stopwatch;

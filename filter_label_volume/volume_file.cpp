@@ -64,7 +64,7 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
           std::fabs(static_cast<double>(value) - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
       if (good) grid.labels[i] = static_cast<std::int32_t>(whole);
     } else {
-      grid.labels[i] = static_cast<std::int32_t>(value);
+      grid.labels[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(value));
       good = static_cast<T>(grid.labels[i]) == value && (grid.labels[i] < 0) == (value < T(0));
     }
     if (!good && wrong++ == 0) first = i;
