@@ -386,8 +386,8 @@ build_preset() {
 
   if ! is_configured "$dir" "$volumes"; then
     say "Configuring $preset"
-    # Start afresh: a cache remembers what it found, and where the checkout was.
-    rm -rf "$dir/CMakeCache.txt" "$dir/CMakeFiles"
+    # Start afresh: a cache remembers what it found, and where the checkout was. No plugin that is left out now stays behind.
+    rm -rf "$dir/CMakeCache.txt" "$dir/CMakeFiles" "$dir/plugins"
     if ! logged "$dir/configure.log" cmake -S "$project_root" --preset "$preset" \
          -DMESHLAB_SOURCE_DIR="$MESHLAB_SOURCE_DIR" -DSPHERE_PROPAGATION_VOLUMES=$volumes; then
       is_debian || say_what_is_needed

@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the pages. They need the plugin for PyMeshLab; everything else is in the checkout."""
+"""Fixtures of the tests of the pages. They need the plugins for PyMeshLab; everything else is in the checkout."""
 import os
 import sys
 from pathlib import Path
@@ -20,3 +20,14 @@ def plugin():
     if "compute_spherical_parameterisation_root" not in pymeshlab.filter_list():  # tests of the Python package load it, too
         pymeshlab.load_plugin(str(file))
     return file
+
+
+@pytest.fixture(scope="session")
+def plugins(plugin):
+    """The folder of both plugins, loaded into PyMeshLab."""
+    file = plugin.with_name("libfilter_label_volume.so")
+    if not file.is_file():
+        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(f"built without the volume plugin: {file}")
+    if "create_layers_from_label_volume" not in pymeshlab.filter_list():
+        pymeshlab.load_plugin(str(file))
+    return plugin.parent

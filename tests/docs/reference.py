@@ -1,8 +1,8 @@
-"""The reference of all filters, docs/filters.md, from what the plugin says of itself:
+"""The reference of all filters, docs/filters.md, from what the plugins say of themselves:
 
-    python reference.py libfilter_sphere_propagation.so [FILE]
+    python reference.py FOLDER_OF_PLUGINS [FILE]
 
-scripts/make-reference builds what this needs and runs it; test_reference.py compares the page with the plugin.
+scripts/make-reference builds what this needs and runs it; test_reference.py compares the page with the plugins.
 """
 import ctypes
 import html
@@ -26,11 +26,13 @@ MENUS = {  # bits of FilterPlugin::FilterClass -> the menu under Filters
 TYPES = {"RichBool": "yes or no", "RichInt": "whole number", "RichFloat": "number", "RichString": "text", "RichMesh": "layer",
          "RichSaveFile": "file to write", "RichOpenFile": "file to read"}
 
+PLUGINS = ("libfilter_label_volume.so", "libfilter_sphere_propagation.so")  # in the order of the job
+
 HEAD = """\
 # The filters
 
-All filters with all parameters, as the plugin itself describes them: `scripts/make-reference` writes this page, and a test compares it
-with the plugin. A parameter that is not given has its default. In Python, a choice is given by its text, a layer by its number.
+All filters with all parameters, as the plugins themselves describe them: `scripts/make-reference` writes this page, and a test compares it
+with them. The first filter is that of `libfilter_label_volume.so`, all others are those of `libfilter_sphere_propagation.so`. A parameter that is not given has its default. In Python, a choice is given by its text, a layer by its number.
 The [tutorial](tutorial.md) says how they work together, [When something goes wrong](errors.md) what their messages mean.
 
 | menu entry | in Python | menus |
@@ -39,7 +41,7 @@ The [tutorial](tutorial.md) says how they work together, [When something goes wr
 
 
 def descriptions(plugin):
-    """The plugin's filters, as filter_descriptions.cpp writes them: list of XML elements."""
+    """A plugin's filters, as filter_descriptions.cpp writes them: list of XML elements."""
     plugin = Path(plugin).resolve()
     library = plugin.parents[1] / "tests/libfilter_descriptions.so"
     if not library.is_file():
@@ -143,15 +145,16 @@ def section(element):
     return "\n\n".join(blocks) + "\n"
 
 
-def page(plugin):
-    """The text of docs/filters.md."""
-    filters = descriptions(plugin)
+def page(folder):
+    """The text of docs/filters.md. folder: of the plugins, which PyMeshLab must have loaded."""
+    filters = [f for plugin in PLUGINS for f in descriptions(Path(folder) / plugin)]
     table = [row(f"[{f.get('name')}](#{anchor(f.get('name'))})", f"`{f.get('python_name')}`", "; ".join(menus(f))) for f in filters]
     return HEAD + "\n".join(table) + "\n\n" + "\n".join(section(f) for f in filters)
 
 
 if __name__ == "__main__":
-    pymeshlab.load_plugin(str(Path(sys.argv[1]).resolve()))
+    for plugin in PLUGINS:
+        pymeshlab.load_plugin(str(Path(sys.argv[1]).resolve() / plugin))
     text = page(sys.argv[1])
     if len(sys.argv) > 2:
         Path(sys.argv[2]).write_text(text)

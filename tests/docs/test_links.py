@@ -8,7 +8,7 @@ from pages import PROJECT, Page, all_pages
 
 PAGES = all_pages()
 LARGEST_PICTURE = 200_000  # bytes
-NAMES_A_FILE = re.compile(r"(?:\./)?((?:vcg_ext|host|filter_sphere_propagation|python|scripts|tests|docs|sample_projects|benchmarks|cmake)/[\w./*-]+)")
+NAMES_A_FILE = re.compile(r"(?:\./)?((?:vcg_ext|host|filter_sphere_propagation|filter_label_volume|python|scripts|tests|docs|sample_projects|benchmarks|cmake)/[\w./*-]+)")
 
 
 def target_of(page, link):

@@ -1,9 +1,14 @@
-"""docs/filters.md is what the plugin says of itself, and what it says is so."""
+"""docs/filters.md is what the plugins say of themselves, and what they say is so."""
+import sys
+
 import pymeshlab
 import pytest
 
 import reference
 from pages import PROJECT
+
+sys.path.insert(0, str(PROJECT / "tests/volumes"))
+import volume_files  # noqa: E402
 
 ARGUMENTS = {  # of a small run, by python name; filters that are not named are called without
     "create_ventricle_phantom": {"phases": 4, "voxel_size": 4.0},
@@ -16,21 +21,37 @@ def filters(plugin):
     return reference.descriptions(plugin)
 
 
-def test_the_page_is_what_the_plugin_says(plugin):
+@pytest.fixture(scope="module")
+def label_volume(tmp_path_factory):
+    """A file to import."""
+    path = tmp_path_factory.mktemp("labels") / "egg.nii"
+    path.write_bytes(volume_files.nifti(volume_files.egg()))
+    return path
+
+
+def test_the_page_is_what_the_plugins_say(plugins):
     page = (PROJECT / "docs/filters.md").read_text()
-    assert page == reference.page(plugin), "run scripts/make-reference"
+    assert page == reference.page(plugins), "run scripts/make-reference"
 
 
-def test_the_page_has_every_filter_of_the_plugin(filters):
-    of_the_plugin = {f.get("python_name") for f in filters}
-    assert len(of_the_plugin) >= 8
-    assert of_the_plugin <= set(pymeshlab.filter_list())
+def test_the_page_has_every_filter_of_the_plugins(filters, plugins):
+    assert len(filters) >= 8
+    every = filters + reference.descriptions(plugins / "libfilter_label_volume.so")
+    assert {f.get("python_name") for f in every} <= set(pymeshlab.filter_list())
+
+
+def require_what_is_said(element, returned):
+    """Every key that comes back is explained, and no other is."""
+    assert sorted(returned) == sorted(reference.returned_keys(element)), element.get("name")
 
 
 def test_what_filters_return_is_what_they_say(filters):
-    """Every key that comes back is explained, and no other is."""
     meshes = pymeshlab.MeshSet()
     for element in filters:  # in the order of the job
         name = element.get("python_name")
-        returned = meshes.apply_filter(name, **ARGUMENTS.get(name, {}))
-        assert sorted(returned) == sorted(reference.returned_keys(element)), name
+        require_what_is_said(element, meshes.apply_filter(name, **ARGUMENTS.get(name, {})))
+
+
+def test_what_the_import_returns_is_what_it_says(plugins, label_volume):
+    (element,) = reference.descriptions(plugins / "libfilter_label_volume.so")
+    require_what_is_said(element, pymeshlab.MeshSet().apply_filter(element.get("python_name"), file_name=str(label_volume)))
