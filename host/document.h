@@ -31,6 +31,20 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document);
 /// A per-vertex point attribute: one row per element of mesh.vert; nothing when the mesh has none of this name.
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name);
 
+/// The same for a mesh of either constness, for those who define it.
+template <class Mesh>
+std::optional<Points> copyPointAttribute(Mesh& mesh, const std::string& name) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
+  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
+  Points points(static_cast<Eigen::Index>(mesh.vert.size()), 3);
+  for (size_t v = 0; v < mesh.vert.size(); ++v) {
+    const Point3m& p = handle[v];
+    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+  }
+  return points;
+}
+
 /// Makes a layer hold what `mesh` holds (vertices, faces, colours, point attributes) and nothing else, and updates
 /// normals, box and data mask. The layer's matrix, label and visibility stay.
 void replaceMesh(MeshModel& layer, CMeshO&& mesh);

@@ -19,16 +19,8 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
   return {document.meshList.begin(), document.meshList.end()};
 }
 
-std::optional<Points> pointAttribute(const CMeshO& constMesh, const std::string& name) {
-  auto& mesh = const_cast<CMeshO&>(constMesh);  // this VCG reads attributes of meshes that may change only
-  auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
-  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
-  Points points(static_cast<Eigen::Index>(mesh.vert.size()), 3);
-  for (size_t v = 0; v < mesh.vert.size(); ++v) {
-    const Point3m& p = handle[v];
-    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
-  }
-  return points;
+std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name) {
+  return copyPointAttribute(const_cast<CMeshO&>(mesh), name);  // this VCG reads those of meshes that may change only
 }
 
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {

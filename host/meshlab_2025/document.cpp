@@ -12,15 +12,7 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
 }
 
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name) {
-  using Allocator = vcg::tri::Allocator<CMeshO>;
-  const auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
-  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
-  Points points(static_cast<Eigen::Index>(mesh.vert.size()), 3);
-  for (size_t v = 0; v < mesh.vert.size(); ++v) {
-    const Point3m& p = handle[v];
-    points.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
-  }
-  return points;
+  return copyPointAttribute(mesh, name);
 }
 
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
