@@ -25,14 +25,6 @@ class Samples {
   double weights_ = 0, sum_ = 0, max_ = 0;
 };
 
-/// A third of the area of the faces around each vertex.
-Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces, const Eigen::VectorXd& faceArea) {
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(vertices.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += faceArea[f] / 3;
-  return areas;
-}
-
 }  // namespace
 
 Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points& directions) {
@@ -47,7 +39,7 @@ Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points
 
 SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces, const ClosedSurface& surface) {
   const Eigen::VectorXd area = faceAreas(landmarks, faces);
-  const Eigen::VectorXd landmarkArea = vertexAreas(landmarks, faces, area);
+  const Eigen::VectorXd landmarkArea = vertexAreas(landmarks, faces);
   const SurfaceLocator onSurface(surface.vertices(), surface.faces());
   Samples there;
   for (Eigen::Index j = 0; j < landmarks.rows(); ++j)
@@ -59,8 +51,7 @@ SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces,
   }
 
   const SurfaceLocator onLandmarks(landmarks, faces);
-  const Eigen::VectorXd surfaceArea =
-      vertexAreas(surface.vertices(), surface.faces(), faceAreas(surface.vertices(), surface.faces()));
+  const Eigen::VectorXd surfaceArea = vertexAreas(surface.vertices(), surface.faces());
   Samples back;
   for (int v = 0; v < surface.vertexCount(); ++v)
     back.add(surfaceArea[v], onLandmarks.closest(surface.vertex(v)).distance);
