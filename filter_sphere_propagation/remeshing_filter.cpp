@@ -1,6 +1,7 @@
 // "Remesh by icosphere": every surface that has a map is sampled at the same points of the sphere.
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/mesh/icosphere.h"
@@ -13,6 +14,24 @@ namespace {
 /// Landmarks of all layers together, at most: about 6 GB of layers in MeshLab.
 constexpr long mostLandmarks = 20'000'000;
 
+/// For each layer the landmark layer that an earlier run made of it, whatever it is called by now.
+std::vector<std::optional<int>> earlierLandmarks(const host::Task& task, const std::vector<MappedLayer>& layers) {
+  std::vector<host::Layer> surfaces;
+  for (const MappedLayer& layer : layers) surfaces.push_back(layer.layer);
+  const std::vector<host::Layer> landmarks = task.layers.all(host::LayerKind::Landmarks);
+  const std::vector<std::optional<size_t>> sources = landmarkSources(landmarks, surfaces);
+  std::vector<std::optional<int>> found(layers.size());
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    if (!sources[i]) continue;
+    if (!found[*sources[i]])
+      found[*sources[i]] = landmarks[i].id();
+    else
+      task.log("Layer \"" + landmarks[i].label() + "\" also holds landmarks of \"" + surfaces[*sources[i]].label() +
+               "\", from an earlier run: delete or hide it, or the shape model counts the shape twice.");
+  }
+  return found;
+}
+
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -23,8 +42,7 @@ class RemeshingFilter : public host::Filter {
         "shape</b>: the input of a statistical shape model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives "
         "the "
         "paper's 1002. New layers have the identity matrix: landmarks lie where the surfaces are seen. Run again, the "
-        "filter "
-        "replaces the layers that it made.<br><br>"
+        "filter replaces the layers that it made, also those that were saved and loaded since.<br><br>"
         "Returned, one entry per layer with a map: <b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance "
         "between landmark mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" +
             paperReference(),
@@ -55,6 +73,7 @@ class RemeshingFilter : public host::Filter {
     std::optional<Colors> colors;
     if (task.values.flag("color_landmarks")) colors = landmarkColors(sphere.vertices.rows());
 
+    const std::vector<std::optional<int>> earlier = earlierLandmarks(task, layers);
     const auto count = static_cast<Eigen::Index>(layers.size());
     Eigen::VectorXd mean(count), max(count), seconds(count);
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -68,6 +87,7 @@ class RemeshingFilter : public host::Filter {
       made.vertices = remeshed.landmarks;
       made.faces = sphere.faces;
       made.colors = colors;
+      made.replacedId = earlier[k];
       task.changes.addLayer(made);
       mean[i] = distance.mean;
       max[i] = distance.max;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/model/displacement_colors.h"
 #include "vcg_ext/model/model_export.h"
@@ -16,12 +18,36 @@
 namespace sphere_propagation {
 namespace {
 
+/// Landmark layers in the order of the surfaces that they were made of, which is time order, wherever they are in the
+/// list themselves; those whose surface is not there come last.
+std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task, std::vector<host::Layer> layers) {
+  const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
+  const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
+  std::vector<size_t> order(layers.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return sources[a].value_or(surfaces.size()) < sources[b].value_or(surfaces.size());
+  });
+  std::vector<host::Layer> sorted;
+  for (size_t k = 0; k < order.size(); ++k) {
+    sorted.push_back(layers[order[k]]);
+    if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
+      task.log("Warning: layers \"" + layers[order[k - 1]].label() + "\" and \"" + layers[order[k]].label() +
+               "\" both hold landmarks of \"" + surfaces[*sources[order[k]]].label() +
+               "\", which counts twice: hide one of them.");
+  }
+  if (!std::is_sorted(order.begin(), order.end()))
+    task.log("The shapes are taken in the order of their surfaces, not of the landmark layers.");
+  return sorted;
+}
+
 /// The visible landmark layers as shapes that correspond.
 TrainingSet trainingSet(const host::Task& task) {
-  const std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
+  std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty())
     throw ParameterError(
         "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that it made.");
+  layers = inOrderOfSurfaces(task, std::move(layers));
   std::vector<TrainingSet::Shape> shapes;
   Triangles faces;
   for (const host::Layer& layer : layers) {
@@ -84,7 +110,8 @@ class ShapeModelFilter : public host::Filter {
         "1). New layers show the mean and the ends of the first modes, \"mode 1 -3 sd\" and \"mode 1 +3 sd\", coloured "
         "by displacement from the mean along its normal: red outwards, blue inwards, white none; the log says how "
         "far. The frame is that of the first shape, the size the average one. Run again, the filter replaces the "
-        "layers that it made. Identical shapes give a model without modes.<br><br>"
+        "layers that it made. Shapes come in the order of the surfaces that they were made of, where these are in the "
+        "project, else in layer order. Identical shapes give a model without modes.<br><br>"
         "<b>Export file</b>, by its ending: .npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, "
         "faces "
         "F x 3), .json (scalismo, statismo), .particles (ShapeWorks: the mean, and one file per shape beside it), .ply "

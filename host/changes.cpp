@@ -129,10 +129,12 @@ void Changes::addLayer(const NewLayer& layer) {
   const auto taken = [this](int id) {
     return std::any_of(layers_.begin(), layers_.end(), [id](const LayerChange& c) { return c.replacedId == id; });
   };
-  int replaced = -1;
+  const auto label = [&](const MeshModel& mesh) {
+    return layer.kind == LayerKind::Model ? withoutNumber(mesh.label()).toStdString() : Layer(mesh).plainLabel();
+  };
+  int replaced = layer.replacedId.value_or(-1);
   for (const MeshModel* mesh : meshesOf(document_))
-    if (replaced < 0 && !taken(mesh->id()) && withoutNumber(mesh->label()) == qt(layer.label) &&
-        Layer(*mesh).kind() == layer.kind)
+    if (replaced < 0 && !taken(mesh->id()) && label(*mesh) == layer.label && Layer(*mesh).kind() == layer.kind)
       replaced = mesh->id();
   layers_.push_back({layer.label, replaced, makeMesh(layer), layer.matrix});
 }

@@ -25,6 +25,7 @@ struct NewLayer {
   std::optional<Eigen::VectorXd> quality;         ///< per vertex
   std::map<std::string, Points> pointAttributes;  ///< per vertex
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  std::optional<int> replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
 };
 
 class Changes {
@@ -48,7 +49,8 @@ class Changes {
   void setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices, Eigen::VectorXd ofFaces);
 
   /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
-  /// run made, replaces what that one holds.
+  /// run made, replaces what that one holds. A file name's ending behind that label is overlooked, but not in layers of
+  /// a model: one that was loaded is there to be compared with.
   void addLayer(const NewLayer& layer);
 
   /// Removes the layers of this kind that an earlier run made and this one does not replace. Called after the last

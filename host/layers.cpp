@@ -54,6 +54,10 @@ std::string Layer::label() const { return mesh_->label().toStdString(); }
 std::string Layer::derivedLabel(const std::string& suffix) const {
   return withoutFileEnding(mesh_->label()).toStdString() + " " + suffix;
 }
+std::string Layer::plainLabel() const {
+  static const QRegularExpression number("\\(\\d+\\)$");
+  return withoutFileEnding(QString(mesh_->label()).remove(number)).toStdString();
+}
 bool Layer::hasFileName() const { return withoutFileEnding(mesh_->label()) != mesh_->label(); }
 bool Layer::visible() const { return mesh_->isVisible(); }
 
@@ -162,6 +166,13 @@ std::optional<Layer> Layers::find(int id) const {
   if (id < 0) return std::nullopt;
   const MeshModel* mesh = document_.getMesh(static_cast<unsigned int>(id));
   return mesh != nullptr ? std::optional<Layer>(*mesh) : std::nullopt;
+}
+
+std::vector<Layer> Layers::all(LayerKind kind) const {
+  std::vector<Layer> found;
+  for (const MeshModel* mesh : meshesOf(document_))
+    if (const Layer layer(*mesh); layer.kind() == kind) found.push_back(layer);
+  return found;
 }
 
 std::vector<Layer> Layers::visible(LayerKind kind) const {

@@ -37,6 +37,8 @@ class Layer {
   std::string label() const;
   /// The label without a file name's ending, and " suffix" behind it: what a layer made from this one is called.
   std::string derivedLabel(const std::string& suffix) const;
+  /// The label without what MeshLab appends to the second layer of a name, "(1)", and without a file name's ending.
+  std::string plainLabel() const;
   /// Whether the label ends as a file's name does.
   bool hasFileName() const;
   bool visible() const;
@@ -85,6 +87,8 @@ class Layers {
   int currentId() const;
   /// The layer with this id, if there is one.
   std::optional<Layer> find(int id) const;
+  /// All layers of a kind, visible or not, in layer order.
+  std::vector<Layer> all(LayerKind kind) const;
   /// The visible layers of a kind, in layer order.
   std::vector<Layer> visible(LayerKind kind) const;
   /// The same, and a ParameterError that says what to do when there is none.

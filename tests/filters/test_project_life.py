@@ -5,9 +5,10 @@ import sys
 import numpy as np
 import pymeshlab
 import pytest
+from scipy.spatial import cKDTree
 
 from cycles import project_of
-from documents import (ATTRIBUTE, EVALUATE, FILTERS, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, content, has_attribute,
+from documents import (ATTRIBUTE, EVALUATE, FILTERS, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, content, has_attribute,
                        labels, landmark_layers, layer, layers, mapped_cycle, positions, refused, small_cycle, snapshot,
                        texture_positions)
 from environment import PLUGIN
@@ -114,6 +115,65 @@ def test_landmark_and_sphere_layers_are_known_after_loading(tmp_path):
     assert len(again.apply_filter(PROPAGATE)["parent"]) == 3
     assert len(again.apply_filter(REMESH)["seconds"]) == 3
     assert again.apply_filter(SPHERES)["layers"] == 3
+
+
+def as_meshlabserver_names_them(files, folder):
+    """x.ply and "x landmarks.ply" as its -w leaves them: x_out.ply and xlandmarks_out.ply."""
+    renamed = []
+    for file in files:
+        renamed.append(folder / (file.stem.replace(" landmarks", "landmarks") + "_out.ply"))
+        file.rename(renamed[-1])
+    return renamed
+
+
+@pytest.mark.parametrize("names", ["as saved", "by meshlabserver"])
+def test_landmarks_that_were_saved_and_loaded_are_replaced(names, tmp_path):
+    ms = mapped_cycle(3)
+    ms.apply_filter(REMESH, frequency=4)
+    files = saved(ms, tmp_path)
+    if names == "by meshlabserver":
+        files = as_meshlabserver_names_them(files, tmp_path)
+    again = loaded(files)
+    again.set_mesh_visibility(4, False)
+    again.apply_filter(REMESH, frequency=5)
+    assert again.mesh_number() == 6
+    assert [m.vertex_number() for m in layers(again)[3:]] == [252] * 3
+    for theirs in range(3, 6):  # each holds the landmarks of the surface that it held before
+        points = again.mesh(theirs).vertex_matrix()
+        away = [cKDTree(again.mesh(k).vertex_matrix()).query(points)[0].mean() for k in range(3)]
+        assert int(np.argmin(away)) == theirs - 3
+    again.set_mesh_visibility(4, True)
+    assert again.apply_filter(MODEL)["shapes"] == 3
+
+
+def test_landmarks_of_another_surface_are_not_replaced(tmp_path):
+    """The next phase lies close by, but not there."""
+    ms = mapped_cycle(4)
+    ms.apply_filter(REMESH, frequency=4)
+    files = saved(ms, tmp_path)
+    again = loaded(as_meshlabserver_names_them([*files[:3], files[7]], tmp_path))  # landmarks of the one that is missing
+    held = content(again.mesh(3))
+    again.apply_filter(REMESH, frequency=5)
+    assert again.mesh_number() == 7 and content(again.mesh(3)) == held
+
+
+def test_landmarks_that_are_there_twice_are_named():
+    script = f"""
+import pymeshlab
+pymeshlab.load_plugin({str(PLUGIN)!r})
+ms = pymeshlab.MeshSet(verbose=True)
+ms.apply_filter("create_ventricle_phantom", phases=2, voxel_size=4)
+for name in ({ROOT!r}, {PROPAGATE!r}, {REMESH!r}):
+    ms.apply_filter(name)
+ms.add_mesh(pymeshlab.Mesh(ms.mesh(2).vertex_matrix(), ms.mesh(2).face_matrix()), "a copy")
+print("shapes:", ms.apply_filter({MODEL!r})["shapes"])
+ms.apply_filter({REMESH!r})
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    log = run.stdout + run.stderr
+    assert "shapes: 3" in log
+    assert ('"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", which counts twice' in log)
+    assert 'Layer "a copy" also holds landmarks of "phantom cavity 00", from an earlier run' in log
 
 
 # ---------------------------------------------------------------- all filters, again and again

@@ -248,6 +248,25 @@ def test_hidden_layers_do_not_count():
     assert ms.apply_filter(MODEL)["shapes"] == 4
 
 
+def test_shapes_come_in_the_order_of_their_surfaces(tmp_path):
+    """A surface remeshed later has its landmarks last in the list, but not last in time."""
+    ms = mapped_cycle(4)
+    ms.set_mesh_visibility(1, False)
+    ms.apply_filter(REMESH, frequency=4)
+    ms.set_mesh_visibility(1, True)
+    ms.apply_filter(REMESH, frequency=4)
+    assert [m.label()[15:17] for m in layers(ms)[4:]] == ["00", "02", "03", "01"]
+    path = tmp_path / "scores.csv"
+    found = ms.apply_filter(MODEL, export_file=str(path))["scores"].reshape(4, 3)
+    with open(path, newline="") as file:
+        assert [row[0] for row in csv.reader(file)][1:] == [f"phantom cavity {k:02d} landmarks" for k in range(4)]
+    in_time = mapped_cycle(4)
+    in_time.apply_filter(REMESH, frequency=4)
+    assert found == pytest.approx(in_time.apply_filter(MODEL)["scores"].reshape(4, 3), abs=1e-9)
+    ms.set_mesh_visibility(0, False)  # also where the surfaces are hidden
+    assert ms.apply_filter(MODEL)["scores"].reshape(4, 3) == pytest.approx(found, abs=1e-9)
+
+
 def test_landmarks_stay_as_they_are():
     ms = small_model_project()
     before = [content(m) for m in ms]
