@@ -13,7 +13,8 @@ from . import plugin as _plugin
 from .correspondence import Correspondence, correspond
 from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError, SpherePropagationWarning
 from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
-from .filters import Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate, remesh, shape_model
+from .filters import (LabelSurfaces, Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate,
+                      read_label_volume, remesh, shape_model)
 from .model import ShapeModel
 from .phantom import Ventricle
 from .projects import write_layers
@@ -21,10 +22,10 @@ from .sphere_map import SphereMap
 from .surface import Surface
 from .version import version as _version
 
-__all__ = ["Correspondence", "FileError", "FilterError", "InputError", "Landmarks", "PluginError", "Propagation",
+__all__ = ["Correspondence", "FileError", "FilterError", "InputError", "LabelSurfaces", "Landmarks", "PluginError", "Propagation",
            "ShapeModel", "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate",
-           "make_phantom", "map_colors", "mesh_files", "parameterise_root", "propagate", "read_map", "read_mesh", "read_meshes", "remesh",
-           "shape_model", "write_layers", "write_ply"]
+           "make_phantom", "map_colors", "mesh_files", "parameterise_root", "propagate", "read_label_volume", "read_map", "read_mesh",
+           "read_meshes", "remesh", "shape_model", "write_layers", "write_ply"]
 __version__ = _version()
 
 _plugin.register()

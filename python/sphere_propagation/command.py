@@ -7,7 +7,7 @@ import sys
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence
 
 from . import filters, jobs, pictures, plugin, progress, report, version
 from .errors import SpherePropagationError, SpherePropagationWarning
@@ -63,7 +63,8 @@ def _demo(options, make_progress) -> int:
     if options.input:
         runs = jobs.run_meshes([options.input], options.folder, None, _choices(options), make_progress)
     else:
-        runs = jobs.run_phantom(options.folder, _choices(options), options.phases, options.voxel_size, options.seed, make_progress)
+        voxel_size = 2.0 if options.voxel_size is None else options.voxel_size
+        runs = jobs.run_phantom(options.folder, _choices(options), options.phases, voxel_size, options.seed, make_progress)
     return _report(options.folder, runs)
 
 
@@ -81,7 +82,9 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
 def _info(options, make_progress) -> int:
     extras = {name: "installed" if find_spec(name) else "not installed (pip install 'sphere-propagation[pictures]')"
               for name in pictures.NEEDED}
-    facts = {"sphere-propagation": version.version(), "plugin": plugin.loaded() or "loaded before this package",
+    before = "loaded before this package"
+    facts = {"sphere-propagation": version.version(), "plugin": plugin.loaded() or before,
+             "label volumes": plugin.volume_failure() or plugin.loaded(plugin.VOLUME_LIBRARY) or before,
              "pymeshlab": plugin.pymeshlab_version() or "of unknown version", "python": platform.python_version(), **extras}
     for name, fact in facts.items():
         print(f"{name:20}{fact}")
@@ -92,7 +95,15 @@ def _info(options, make_progress) -> int:
 def _choices(options) -> jobs.Choices:
     order = "Given" if options.parents else ORDERS.get(options.order)
     return jobs.Choices(options.root, METHODS[options.method], order, options.parents or "", options.frequency, options.initial_map.capitalize(),
-                        options.area_weight, options.area_restoration, options.pictures)
+                        options.area_weight, options.area_restoration, options.pictures, _volume_choices(options))
+
+
+def _volume_choices(options) -> Dict[str, Any]:
+    """What is said of label volumes; the rest is as read_label_volume has it."""
+    coordinates = options.coordinates and options.coordinates.upper()
+    given = {"labels": options.labels, "voxel_size": options.voxel_size, "smoothing": options.smoothing, "coordinates": coordinates,
+             "skip_incomplete_phases": options.skip_incomplete_phases or None}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -102,21 +113,23 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--version", action="version", version=f"sphere-propagation {version.version()}")
     actions = command.add_subparsers(metavar="COMMAND", required=True)
 
-    run = actions.add_parser("run", help="meshes to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
-                             description="Takes closed meshes in order of time through the whole job.")
-    run.add_argument("meshes", nargs="+", metavar="MESH", help="files (ply, stl, obj, off) or folders of them, in natural order")
+    run = actions.add_parser("run", help="meshes or a label volume to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
+                             description="Takes closed meshes in order of time, or a label volume, through the whole job.")
+    run.add_argument("meshes", nargs="+", metavar="FILE", help="meshes (ply, stl, obj, off), label volumes of one or more phases "
+                     "(nii, nii.gz, nrrd, nhdr, mha, mhd), or folders of them, in natural order")
     run.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where everything goes; an earlier run's files are replaced")
-    run.add_argument("--name", help="of the sequence, for its files (default: the name of the meshes' folder)")
+    run.add_argument("--name", help="of the sequence, for its files (default: the name of the label volume, or of the meshes' folder)")
     _add_choices(run, "time", "the mesh of largest volume")
+    run.add_argument("--voxel-size", type=float, metavar="MM", help="of a label volume's surfaces (default: the smallest spacing of the volume)")
     run.set_defaults(action=_run)
 
     demo = actions.add_parser("demo", help="the same for a beating phantom whose truth is known, by both methods",
                               description="Makes a beating ventricle, cavity and wall, and takes it through the whole job by both methods.")
     demo.add_argument("folder", nargs="?", default="demo", metavar="FOLDER", help="where everything goes (default: %(default)s)")
-    demo.add_argument("--input", metavar="MESHES", help="a file or folder of meshes instead of the phantom, as `run MESHES -o FOLDER`")
+    demo.add_argument("--input", metavar="MESHES", help="meshes or a label volume instead of the phantom, as `run MESHES -o FOLDER`")
     _add_choices(demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume")
     demo.add_argument("--phases", type=int, default=25, metavar="N", help="of the phantom (default: 25)")
-    demo.add_argument("--voxel-size", type=float, default=2.0, metavar="MM", help="of the phantom (default: 2)")
+    demo.add_argument("--voxel-size", type=float, metavar="MM", help="of the phantom (default: 2); with --input as of `run`")
     demo.add_argument("--seed", type=int, default=0, metavar="N", help="of the phantom: another one makes another ventricle (default: 0)")
     demo.set_defaults(action=_demo)
 
@@ -137,4 +150,8 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         help="where the root map starts (default: automatic)")
     add("--area-weight", type=float, default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
     add("--area-restoration", type=float, default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
+    add("--labels", metavar="LIST", help='of a label volume: the label, or several to be united, as "1,2" (default: 1)')
+    add("--smoothing", type=float, metavar="VOXELS", help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)")
+    add("--coordinates", choices=["ras", "lps"], help="of a label volume's surfaces (default: ras)")
+    add("--skip-incomplete-phases", action="store_true", help="of a label volume: leave out phases that lack a label, instead of an error")
     add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

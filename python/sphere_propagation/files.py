@@ -1,10 +1,10 @@
-"""Mesh files and the maps in them."""
+"""Mesh files and the maps in them; which files are label volumes."""
 from __future__ import annotations
 
 import os
 import re
 from pathlib import Path
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from .sphere_map import SphereMap
 from .surface import Surface
 
 SUFFIXES = (".ply", ".stl", ".obj", ".off")
+VOLUME_SUFFIXES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
 
 
 def mesh_files(*paths) -> List[Path]:
@@ -22,26 +23,47 @@ def mesh_files(*paths) -> List[Path]:
     A folder stands for its meshes in natural order: phase_2 before phase_10. Files whose names differ in their numbers alone come in
     the order of these numbers, whatever a shell's * makes of them; otherwise the order is kept.
     """
+    return _in_order(paths, SUFFIXES)
+
+
+def input_files(*paths) -> List[Path]:
+    """As mesh_files, but a folder without meshes stands for its label volumes."""
+    return _in_order(paths, SUFFIXES, VOLUME_SUFFIXES)
+
+
+def is_label_volume(path) -> bool:
+    return Path(path).name.lower().endswith(VOLUME_SUFFIXES)
+
+
+def stem_of(path) -> str:
+    """A file's name without its suffix; .nii.gz is one."""
+    path = Path(path)
+    return path.name[:-len(".nii.gz")] if path.name.lower().endswith(".nii.gz") else path.stem
+
+
+def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
+    """kinds: suffixes; a folder stands for the first kind that it has."""
     found: List[Path] = []
     given = [Path(path) for path in paths]
     if len({re.sub(r"\d+", "#", str(path)) for path in given}) == 1:
         given.sort(key=lambda path: _natural(str(path)))
     for path in given:
         if path.is_dir():
-            inside = sorted((file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file()),
-                            key=lambda file: _natural(file.name))
-            if not inside:
-                raise FileError(f"The folder {path} holds no mesh ({', '.join(SUFFIXES)}).")
-            found += inside
+            files = sorted((file for file in path.iterdir() if file.is_file()), key=lambda file: _natural(file.name))
+            inside = [[file for file in files if file.name.lower().endswith(suffixes)] for suffixes in kinds]
+            if not any(inside):
+                volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
+                raise FileError(f"The folder {path} holds no mesh{volumes} ({', '.join(sum(kinds, ()))}).")
+            found += next(filter(None, inside))
         elif path.is_file():
             found.append(path)
         else:
             raise FileError(f"There is no file or folder {path}.")
     stems: Dict[str, Path] = {}
     for path in found:
-        if path.stem in stems:
-            raise FileError(f"{stems[path.stem]} and {path} have the same name: layers could not be told apart.")
-        stems[path.stem] = path
+        if stem_of(path) in stems:
+            raise FileError(f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told apart.")
+        stems[stem_of(path)] = path
     return found
 
 

@@ -11,7 +11,7 @@ from typing import Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
-from . import layers
+from . import layers, plugin
 from .errors import FilterError, InputError, SpherePropagationWarning
 from .model import ShapeModel
 from .sphere_map import MapLike, SphereMap, as_map
@@ -24,6 +24,7 @@ MODEL = "compute_statistical_shape_model"
 EVALUATE = "get_spherical_parameterisation_measures"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PHANTOM = "create_ventricle_phantom"
+IMPORT = plugin.VOLUME_FILTER
 
 INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
 METHODS = ("Robust", "As published")
@@ -31,12 +32,28 @@ ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
 PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
 ALIGNMENTS = ("Similarity", "Rigid", "None")
 PARTS = ("Cavity", "Wall")
+COORDINATES = ("RAS", "LPS")
 
 MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
+
+MOST_VOLUME_ERROR = 0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
+MOST_DROPPED = 0.05  # of the voxels, in smaller parts
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
 
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean", "seconds")
+
+
+@dataclass(frozen=True, eq=False)
+class LabelSurfaces:
+    """The surfaces of a label volume, one per phase, in order of time, and the figures of the filter.
+
+    figures: phase (its number), label_volume (of the voxels, mm^3), volume (of the surface, mm^3), vertices, interpolated_slices,
+    dropped_share (of the voxels, in smaller parts), filled_voxels, handles (that the label had), changed_voxels (to remove them), seconds.
+    """
+
+    surfaces: List[Surface]
+    figures: Figures
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +81,49 @@ class Landmarks:
     points: np.ndarray
     faces: np.ndarray
     figures: Figures
+
+
+def read_label_volume(file, *, labels: Union[str, int, Sequence[int]] = "1", voxel_size: float = 0.0, smoothing: float = 1.0,
+                      coordinates: str = "RAS", fill_holes: bool = True, keep_largest_component: bool = True, cut_handles: bool = True,
+                      file_series: bool = False, skip_incomplete_phases: bool = False, longest_gap: int = 10) -> LabelSurfaces:
+    """A segmentation (NIfTI, NRRD, MetaImage; 3D, or 4D with time) as one closed surface of genus 0 per phase, in millimetres.
+
+    labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have each of them, or
+    skip_incomplete_phases leaves it out.
+    voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the file's smallest spacing.
+    smoothing: standard deviation in these cubes, 0 to 5. coordinates: one of COORDINATES.
+    fill_holes, keep_largest_component, cut_handles: cavities are filled, smaller parts dropped, handles removed. longest_gap: how many
+    empty slices in a row are interpolated.
+    file_series: also read the files beside this one whose names differ from it in one number only, one phase each.
+
+    Warns (SpherePropagationWarning) where the surfaces differ much from the labels. Raises PluginError where ITK is missing.
+    """
+    plugin.require_volumes()
+    meshes = layers.mesh_set()
+    text = labels if isinstance(labels, str) else ",".join(str(int(label)) for label in np.atleast_1d(labels))
+    figures = layers.apply(meshes, IMPORT, file_name=str(file), labels=text, voxel_size=voxel_size, smoothing=smoothing,
+                           coordinates=coordinates, fill_holes=fill_holes, keep_largest_component=keep_largest_component,
+                           cut_handles=cut_handles, file_series=file_series, skip_incomplete_phases=skip_incomplete_phases,
+                           longest_gap=longest_gap)
+    del figures["layers"]
+    surfaces = [layers.surface_of(mesh) for mesh in meshes]
+    _warn_of_changed_labels(surfaces, figures)
+    return LabelSurfaces(surfaces, figures)
+
+
+def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
+    """What the filter says of every phase in its log, which Python does not get: how many phases deserve a look, and which most."""
+    def warn(amounts: np.ndarray, limit: float, words: str) -> None:
+        count, worst = int((amounts > limit).sum()), int(np.argmax(amounts))
+        if count:
+            where = surfaces[worst].name + (f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else "")
+            warnings.warn(f"{where}: {amounts[worst]:.3g} {words}.", SpherePropagationWarning, stacklevel=4)
+
+    kept = figures["label_volume"] * (1 - figures["dropped_share"])
+    warn(100 * np.where(figures["interpolated_slices"] > 0, 0, np.abs(figures["volume"] / kept - 1)), 100 * MOST_VOLUME_ERROR,
+         "% lie between the volume of the surface and that of its voxels")
+    warn(100 * figures["dropped_share"], 100 * MOST_DROPPED, "% of the label's voxels were dropped with its smaller parts")
+    warn(figures["interpolated_slices"], 0, "slices without the label were interpolated")
 
 
 def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", area_weight: float = 0.9,

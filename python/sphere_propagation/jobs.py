@@ -30,6 +30,7 @@ class Choices(NamedTuple):
     area_weight: float = 0.9
     area_restoration: float = 0.0
     pictures: bool = True
+    volume: Dict[str, Any] = {}  # of read_label_volume, what is given
 
     def parameters(self) -> Dict[str, Any]:
         """Those of correspond() that are the same for every sequence."""
@@ -38,21 +39,24 @@ class Choices(NamedTuple):
 
 
 def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, progress: Callable[[int], Lines]) -> List[report.Run]:
-    """Files and folders of meshes; `name` calls the sequence. progress: makes the Lines for a number of steps."""
+    """Files and folders of meshes or label volumes; `name` calls the sequence. progress: makes the Lines for a number of steps."""
     if name is not None and (name in ("", ".", "..") or Path(name).name != name):
         raise InputError(f"The name of the sequence becomes a folder of results: it must be a plain name, not {name!r}.")
-    paths = files.mesh_files(*meshes)
+    paths = files.input_files(*meshes)
+    if choices.volume and not any(map(files.is_label_volume, paths)):
+        raise InputError(f"There is no label volume among the files, to which {', '.join(choices.volume)} could apply.")
     home = Path(folder).resolve()
     for path in paths:
         if home in path.resolve().parents:
             raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
-    name = name or next(filter(None, (p.name for p in (Path(meshes[0]).resolve(), *Path(meshes[0]).resolve().parents) if p.is_dir())), "meshes")
+    name = name or _name_of(meshes, paths)
     steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices))
     surfaces = []
     for path in paths:
         steps.begin(f"reading {path.name}")
-        surfaces.append(files.read_mesh(path))
-    steps.done(f"{len(surfaces)} mesh{'es' * (len(surfaces) > 1)}: {paths[0].name} to {paths[-1].name}, "
+        surfaces += filters.read_label_volume(path, **choices.volume).surfaces if files.is_label_volume(path) else [files.read_mesh(path)]
+    where = paths[0].name + (f" to {paths[-1].name}" if len(paths) > 1 else "")
+    steps.done(f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
                f"{sum(len(surface.vertices) for surface in surfaces)} vertices")
     results = ResultFolder(folder)
     results.create()  # before the work, not after
@@ -90,6 +94,14 @@ def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: 
         _write_layers(results, name, rows[-1], steps)
         _build_model(results, name, found["Robust"], steps)
     return _finish(results, rows, runs, errors, choices, steps)
+
+
+def _name_of(given: Sequence, paths: Sequence[Path]) -> str:
+    """That of the label volume, else of the folder that the meshes lie in."""
+    if len(paths) == 1 and files.is_label_volume(paths[0]):
+        return files.stem_of(paths[0])
+    first = Path(given[0]).resolve()
+    return next(filter(None, (path.name for path in (first, *first.parents) if path.is_dir())), "meshes")
 
 
 class _Named:

@@ -1,36 +1,43 @@
-"""Finding the plugin and registering its filters with PyMeshLab."""
+"""Finding the plugins and registering their filters with PyMeshLab."""
 from __future__ import annotations
 
 import ctypes
 import os
+import re
 from importlib import metadata
 from pathlib import Path
-from typing import List, Optional
+from typing import Dict, List, Optional
 
 from .errors import PluginError
 
 LIBRARY = "libfilter_sphere_propagation.so"
+VOLUME_LIBRARY = "libfilter_label_volume.so"  # lies beside the other one, and may be missing
 VARIABLE = "SPHERE_PROPAGATION_PLUGIN"  # for developers: the plugin to take instead of the package's own
 FILTER = "compute_spherical_parameterisation_root"  # one of its filters
+VOLUME_FILTER = "create_layers_from_label_volume"
 PYMESHLAB = "2025.7"  # the series whose interface the plugin is built for
 PYMESHLAB_PLUGINS = 58  # that a whole PyMeshLab of this series brings
 
-_loaded: Optional[Path] = None
+_loaded: Dict[str, Path] = {}  # by name of the library
 _filters: List[str] = []
+_volume_failure = ""  # why there is no plugin for label volumes
 
 
-def find() -> Path:
-    """Where the plugin is: what the environment variable names, else the package's own, else a checkout's build."""
+def find(library: str = LIBRARY) -> Path:
+    """Where a plugin is: what the environment variable names or beside it, else the package's own, else a checkout's build."""
     named = os.environ.get(VARIABLE)
     if named:
         if not Path(named).is_file():
             raise PluginError(f"There is no plugin at {named}, which {VARIABLE} names.")
-        return Path(named).resolve()
+        found = Path(named).resolve()
+        if library == LIBRARY or found.with_name(library).is_file():
+            return found if library == LIBRARY else found.with_name(library)
+        raise PluginError(f"There is no {library} beside {named}, which {VARIABLE} names.")
     import sphere_propagation
     for folder in [*map(Path, sphere_propagation.__path__), Path(__file__).resolve().parents[2] / "build/pymeshlab/plugins"]:
-        if (folder / LIBRARY).is_file():
-            return folder / LIBRARY
-    raise PluginError(f"The plugin {LIBRARY} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
+        if (folder / library).is_file():
+            return folder / library
+    raise PluginError(f"The plugin {library} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
                       f"name one elsewhere.")
 
 
@@ -39,7 +46,7 @@ def register():
 
     Every MeshSet has them from then on, those made before included.
     """
-    global _loaded, _filters
+    global _filters, _volume_failure
     pymeshlab = _pymeshlab()
     known = pymeshlab.filter_list()
     if FILTER not in known:
@@ -49,16 +56,36 @@ def register():
             pymeshlab.load_plugin(str(library))
         except pymeshlab.PyMeshLabException as error:  # PyMeshLab says in words what does not fit
             raise PluginError(f"PyMeshLab {pymeshlab_version()} does not load {library}: {error}") from error
-        _loaded, _filters = library, sorted(set(pymeshlab.filter_list()) - set(known))
+        _loaded[LIBRARY] = library
+    if VOLUME_FILTER not in known and not _volume_failure:
+        try:
+            library = find(VOLUME_LIBRARY)
+            pymeshlab.load_plugin(str(library))
+            _loaded[VOLUME_LIBRARY] = library
+        except (PluginError, pymeshlab.PyMeshLabException) as error:  # everything else works without
+            _volume_failure = str(_missing_itk(str(error)) or error)
+    _filters = sorted({*_filters, *(set(pymeshlab.filter_list()) - set(known))})
     for name in pymeshlab.filter_list():  # methods of MeshSet, as PyMeshLab makes them of its own filters
         if not hasattr(pymeshlab.MeshSet, name):
             setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
     return pymeshlab
 
 
-def loaded() -> Optional[Path]:
-    """The library that register() loaded; None when PyMeshLab knew the filters before."""
-    return _loaded
+def require_volumes() -> None:
+    """A PluginError that says what is missing, where the plugin that reads label volumes could not be loaded."""
+    failure = volume_failure()
+    if failure:
+        raise PluginError(f"Label volumes cannot be read here. {failure}")
+
+
+def volume_failure() -> str:
+    """Why label volumes cannot be read; empty when they can."""
+    return "" if VOLUME_FILTER in register().filter_list() else _volume_failure
+
+
+def loaded(library: str = LIBRARY) -> Optional[Path]:
+    """The file that register() loaded; None when PyMeshLab knew the filters before."""
+    return _loaded.get(library)
 
 
 def filters() -> List[str]:
@@ -92,6 +119,13 @@ def _check_completeness(count: int) -> None:
     if count < PYMESHLAB_PLUGINS:
         raise PluginError(f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may not open. "
                           + (_missing_libraries() or "Install it again: pip install --force-reinstall pymeshlab"))
+
+
+def _missing_itk(text: str) -> Optional[PluginError]:
+    """Says what to do where this is what the dynamic linker says of one of ITK's libraries."""
+    library = re.search(r"(libITK[^\s:]*|libitk[^\s:]*): cannot open shared object", text)
+    return PluginError(f"Missing on this system: {library[1]}, a library of ITK. On Debian 12: apt-get install libinsighttoolkit5.2. A wheel "
+                       "of this package has it inside.") if library else None
 
 
 def _missing_libraries() -> str:

@@ -5,13 +5,22 @@ from pathlib import Path
 import pytest
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
-sys.path.insert(0, str(PYTHON))
+sys.path[:0] = [str(PYTHON), str(Path(__file__).resolve().parents[1] / "volumes")]
 
 
 @pytest.fixture(scope="session")
 def cycle():
     import sphere_propagation as sp
     return sp.correspond(sp.make_phantom(phases=6, voxel_size=4.0), root=0, order="Cyclic time", frequency=4)
+
+
+@pytest.fixture
+def egg_file(tmp_path):
+    """A label volume of one phase."""
+    import volume_files
+    path = tmp_path / "egg.nii"
+    path.write_bytes(volume_files.nifti(volume_files.egg()))
+    return path
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from sphere_propagation.surface import distinct_names
 
 # Function -> its filter, and the parameters of the filter that it does not have, with the reason.
 FUNCTIONS = {
+    sp.read_label_volume: (filters.IMPORT, {"file_name"}),  # which comes first
     sp.parameterise_root: (filters.ROOT, set()),
     sp.propagate: (filters.PROPAGATE, set()),
     sp.remesh: (filters.REMESH, {"color_landmarks"}),  # arrays of points have no colours
@@ -20,7 +21,7 @@ FUNCTIONS = {
     sp.make_phantom: (filters.PHANTOM, set()),
 }
 CHOICES = {"initial_map": filters.INITIAL_MAPS, "method": filters.METHODS, "order": filters.ORDERS, "part": filters.PARTS,
-           "pattern": filters.PATTERNS, "alignment": filters.ALIGNMENTS}
+           "pattern": filters.PATTERNS, "alignment": filters.ALIGNMENTS, "coordinates": filters.COORDINATES}
 
 
 def tetrahedron(scale=1.0):
@@ -48,13 +49,14 @@ def test_parameters_are_the_filters(function):
 
 
 @pytest.mark.parametrize("parameter", CHOICES)
-def test_choices_are_the_filters(parameter, cycle):
+def test_choices_are_the_filters(parameter, cycle, egg_file):
     """Every choice is accepted, and the filter knows no more: the number behind the last one is refused."""
     call = {"initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
             "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
             "order": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"),
             "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
             "alignment": lambda value: sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment=value),
+            "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
             "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4)}[parameter]
     for choice in CHOICES[parameter]:
         call(choice)

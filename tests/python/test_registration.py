@@ -8,7 +8,8 @@ ORDERS = {
     "package alone": f"import sphere_propagation, pymeshlab; m = pymeshlab.MeshSet(); {MAP}",
     "package first": f"import sphere_propagation; import pymeshlab; m = pymeshlab.MeshSet(); {MAP}",
     "PyMeshLab and a MeshSet first": f"import pymeshlab; m = pymeshlab.MeshSet(); import sphere_propagation; {MAP}",
-    "loaded by hand before": "import os, pymeshlab; pymeshlab.load_plugin(os.environ['LIBRARY']); n = pymeshlab.plugin_number(); "
+    "loaded by hand before": "import os, pymeshlab; [pymeshlab.load_plugin(os.environ[name]) for name in ('LIBRARY', 'VOLUMES')]; "
+                             "n = pymeshlab.plugin_number(); "
                              "import sphere_propagation; m = pymeshlab.MeshSet(); assert pymeshlab.plugin_number() == n; " + MAP,
     "imported twice": "import sphere_propagation, importlib, pymeshlab; n = pymeshlab.plugin_number(); "
                       "importlib.reload(sphere_propagation.plugin); importlib.reload(sphere_propagation); "
@@ -25,7 +26,7 @@ ORDERS = {
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_filters_are_known(order, run_python):
-    found = run_python(ORDERS[order], LIBRARY=str(plugin.find()))
+    found = run_python(ORDERS[order], LIBRARY=str(plugin.find()), VOLUMES=str(plugin.find(plugin.VOLUME_LIBRARY)))
     assert found.returncode == 0, found.stderr
 
 

@@ -1,0 +1,157 @@
+"""Label volumes in Python and on the command line: surfaces of all phases, what deserves a look, what is missing."""
+import csv
+import gzip
+import shutil
+
+import numpy as np
+import pytest
+
+import sphere_propagation as sp
+import volume_files
+from sphere_propagation import command, files, plugin
+
+
+def beat(phases=3):
+    """Labels of an egg (1) in a larger one (2) that contracts, phase by phase."""
+    def phase(t):
+        x = np.stack(np.meshgrid(*[np.linspace(-1.3, 1.3, n) for n in (26, 24, 22)], indexing="ij"), -1)
+        r = (x**2).sum(-1) * (1 + 0.25 * x[..., 0] + 0.15 * x[..., 1] - 0.2 * x[..., 2])
+        return np.select([r < 0.6 - 0.1 * t, r < 1], [1, 2]).astype("u1")
+    return np.stack([phase(t) for t in range(phases)], -1)
+
+
+@pytest.fixture
+def volume(tmp_path):
+    path = tmp_path / "beat_1.5mm.nii.gz"
+    path.write_bytes(gzip.compress(volume_files.nifti(beat(), np.diag([1.5, 1.5, 1.5, 1]))))
+    return path
+
+
+def test_surfaces_and_figures_of_all_phases(volume):
+    found = sp.read_label_volume(volume)
+    assert [surface.name for surface in found.surfaces] == [f"beat_1.5mm label 1 phase 0{t}" for t in range(3)]
+    voxels = [(beat()[..., t] == 1).sum() * 1.5**3 for t in range(3)]
+    assert found.figures["label_volume"] == pytest.approx(voxels)
+    assert [surface.volume for surface in found.surfaces] == pytest.approx(voxels, rel=0.02)
+    assert [len(surface.vertices) for surface in found.surfaces] == found.figures["vertices"].tolist()
+    assert all(len(values) == 3 for values in found.figures.values())
+
+
+@pytest.mark.parametrize("labels", ["1,2", [1, 2], (2, 1), np.array([1, 2])])
+def test_labels_are_united(volume, labels):
+    (first, *_) = sp.read_label_volume(volume, labels=labels).surfaces
+    assert first.volume == pytest.approx((beat()[..., 0] > 0).sum() * 1.5**3, rel=0.02)
+
+
+def test_a_label_by_its_number(volume):
+    assert sp.read_label_volume(volume, labels=1, voxel_size=3).surfaces[0].name == "beat_1.5mm label 1 phase 00"
+    with pytest.raises(sp.FilterError, match="label 7"):
+        sp.read_label_volume(volume, labels=7)
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_deserves_a_look_is_warned_of(volume, tmp_path):
+    """A gap of two slices, a part that is dropped, a cavity that is filled; each is said once."""
+    labels = volume_files.egg((20, 18, 16))
+    gap = labels.copy()
+    gap[:, :, 7:9] = 0
+    (tmp_path / "gap.nii").write_bytes(volume_files.nifti(gap))
+    with pytest.warns(sp.SpherePropagationWarning, match="gap label 1: 2 slices without the label were interpolated"):
+        sp.read_label_volume(tmp_path / "gap.nii")
+    with pytest.warns(sp.SpherePropagationWarning, match=r"label 2 phase \d+ \(and 2 phases less so\): [\d.]+ % lie between the volume"):
+        sp.read_label_volume(volume, labels=2)
+    two = np.concatenate([labels, labels[:, :, ::-1], labels[:10]], 0)
+    (tmp_path / "parts.nii").write_bytes(volume_files.nifti(two))
+    with pytest.warns(sp.SpherePropagationWarning, match=r"parts label 1: [\d.]+ % of the label's voxels were dropped with its smaller parts"):
+        sp.read_label_volume(tmp_path / "parts.nii")
+
+
+@pytest.mark.filterwarnings("error")
+def test_good_labels_are_read_without_a_word(volume):
+    sp.read_label_volume(volume)
+
+
+# ---------------------------------------------------------------- the command
+
+
+def run(*arguments):
+    return command.main([str(argument) for argument in arguments])
+
+
+def test_from_a_label_volume_to_the_model(volume, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("run", volume, "-o", out, "--frequency", 3, "--no-pictures") == 0
+    name = "beat_1.5mm"
+    assert f"3 meshes: {volume.name}" in capsys.readouterr().out
+    landmarks = sorted((out / name / "landmarks").iterdir())
+    assert [path.name for path in landmarks] == [f"{name}_label_1_phase_0{t}_landmarks.ply" for t in range(3)]
+    with np.load(out / name / "model.npz") as model:
+        assert model["scores"].shape == (3, 2)
+    with open(out / "figures.csv", newline="") as file:
+        assert [row["root"] for row in csv.DictReader(file)] == ["1", "0", "0"]
+
+
+def test_options_reach_the_import(volume, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("run", volume, "-o", out, "--frequency", 2, "--no-pictures", "--labels", "1,2", "--voxel-size", 3, "--coordinates", "lps",
+               "--smoothing", 0.5) == 0
+    surface = sp.read_mesh(next((out / "beat_1.5mm/surfaces").iterdir()))
+    expected = sp.read_label_volume(volume, labels="1,2", voxel_size=3, coordinates="LPS", smoothing=0.5).surfaces[0]
+    assert surface.name == "beat_1.5mm_label_1+2_phase_00" and np.abs(surface.vertices - expected.vertices).max() < 1e-4
+
+
+def test_one_file_per_phase(tmp_path, capsys):
+    """In the order of their numbers, whether files or their folder are given; a folder's meshes come before its volumes."""
+    folder = tmp_path / "scan"
+    folder.mkdir()
+    for t in range(3):
+        (folder / f"t{9 + t}.mha").write_bytes(volume_files.meta(beat()[..., t].copy()))
+    for given in ([folder], sorted(folder.iterdir())):
+        assert run("run", *given, "-o", tmp_path / "out", "--frequency", 2, "--no-pictures") == 0
+        assert [path.name for path in sorted((tmp_path / "out/scan/surfaces").iterdir())] == [
+            "t10_label_1.ply", "t11_label_1.ply", "t9_label_1.ply"]
+    assert "t9.mha to t11.mha" in capsys.readouterr().out
+    (folder / "mesh.ply").touch()
+    assert [path.name for path in files.input_files(folder)] == ["mesh.ply"]
+
+
+def test_phases_without_the_label(tmp_path, capsys):
+    labels = beat(4)
+    labels[..., 1] = 0
+    (tmp_path / "gap.nii").write_bytes(volume_files.nifti(labels))
+    assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--no-pictures") == 1
+    assert "phase 1" in capsys.readouterr().err and not (tmp_path / "out").exists()
+    assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--frequency", 2, "--no-pictures", "--skip-incomplete-phases") == 0
+    assert len(list((tmp_path / "out/gap/surfaces").iterdir())) == 3
+
+
+def test_options_of_volumes_are_not_for_meshes(cycle, tmp_path, capsys):
+    surface = cycle.surfaces[0]
+    sp.write_ply(tmp_path / "mesh.ply", surface.vertices, surface.faces)
+    assert run("run", tmp_path / "mesh.ply", "-o", tmp_path / "out", "--labels", "1") == 1
+    assert "no label volume among the files, to which labels could apply" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- without the plugin
+
+
+def test_everything_else_works_without_the_volume_plugin(run_python, tmp_path):
+    """As built with --without-volumes."""
+    alone = tmp_path / plugin.LIBRARY
+    shutil.copy(plugin.find(), alone)
+    found = run_python("import sphere_propagation as sp; print(len(sp.make_phantom(phases=2, voxel_size=4)))\n"
+                       "try: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)", SPHERE_PROPAGATION_PLUGIN=str(alone))
+    assert found.returncode == 0, found.stderr
+    assert found.stdout.startswith("2\nLabel volumes cannot be read here.") and "libfilter_label_volume.so beside" in found.stdout
+
+
+def test_a_missing_library_of_itk_is_named(run_python, tmp_path):
+    for name in (plugin.LIBRARY, plugin.VOLUME_LIBRARY):
+        shutil.copy(plugin.find(name), tmp_path / name)
+    code = (tmp_path / plugin.VOLUME_LIBRARY).read_bytes()
+    assert b"libITKIOMeta-" in code
+    (tmp_path / plugin.VOLUME_LIBRARY).write_bytes(code.replace(b"libITKIOMeta-", b"libITKIOBeta-"))
+    found = run_python("import sphere_propagation as sp\ntry: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)",
+                       SPHERE_PROPAGATION_PLUGIN=str(tmp_path / plugin.LIBRARY))
+    assert found.returncode == 0, found.stderr
+    assert "Missing on this system: libITKIOBeta-" in found.stdout and "apt-get install libinsighttoolkit" in found.stdout
