@@ -64,6 +64,7 @@ def test_python_runs(page, folder, plugin):
     done = subprocess.run([sys.executable, str(PROJECT / "tests/docs/run_blocks.py")], input=json.dumps(code), cwd=folder, env=environment,
                           capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr[-3000:]
+    assert not list(folder.rglob("*.ply.ply")), "a page's code saves files under a doubled ending"
 
 
 # ---------------------------------------------------------------- shell
