@@ -7,10 +7,10 @@ import sys
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from . import filters, jobs, pictures, plugin, progress, report, version
-from .errors import SpherePropagationError, SpherePropagationWarning
+from .errors import InputError, SpherePropagationError, SpherePropagationWarning
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
@@ -36,6 +36,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             return options.action(options, make_progress)
     except BrokenPipeError:
         raise
+    except InputError as error:  # files are read by then: an argument cannot be what is meant
+        code, text = 2, f"error: {error}"
     except (SpherePropagationError, OSError, MemoryError) as error:
         code, text = 1, f"error: {_words(error)}"
     except KeyboardInterrupt:
@@ -120,7 +122,7 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where everything goes; an earlier run's files are replaced")
     run.add_argument("--name", help="of the sequence, for its files (default: the name of the label volume, or of the meshes' folder)")
     _add_choices(run, "time", "the mesh of largest volume")
-    run.add_argument("--voxel-size", type=float, metavar="MM", help="of a label volume's surfaces (default: the smallest spacing of the volume)")
+    run.add_argument("--voxel-size", type=_number(float, 0), metavar="MM", help="of a label volume's surfaces (default: the smallest spacing of the volume)")
     run.set_defaults(action=_run)
 
     demo = actions.add_parser("demo", help="the same for a beating phantom whose truth is known, by both methods",
@@ -128,9 +130,9 @@ def parser() -> argparse.ArgumentParser:
     demo.add_argument("folder", nargs="?", default="demo", metavar="FOLDER", help="where everything goes (default: %(default)s)")
     demo.add_argument("--input", metavar="MESHES", help="meshes or a label volume instead of the phantom, as `run MESHES -o FOLDER`")
     _add_choices(demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume")
-    demo.add_argument("--phases", type=int, default=25, metavar="N", help="of the phantom (default: 25)")
-    demo.add_argument("--voxel-size", type=float, metavar="MM", help="of the phantom (default: 2); with --input as of `run`")
-    demo.add_argument("--seed", type=int, default=0, metavar="N", help="of the phantom: another one makes another ventricle (default: 0)")
+    demo.add_argument("--phases", type=_number(int, 1, 10000), default=25, metavar="N", help="of the phantom (default: 25)")
+    demo.add_argument("--voxel-size", type=_number(float, 0), metavar="MM", help="of the phantom (default: 2); with --input as of `run`")
+    demo.add_argument("--seed", type=_number(int, 0), default=0, metavar="N", help="of the phantom: another one makes another ventricle (default: 0)")
     demo.set_defaults(action=_demo)
 
     info = actions.add_parser("info", help="versions, the plugin's path, the filters")
@@ -138,20 +140,32 @@ def parser() -> argparse.ArgumentParser:
     return command
 
 
+def _number(kind: type, least: float, most: float = float("inf")) -> Callable[[str], float]:
+    """What an option takes for a number: argparse refuses the others."""
+    def convert(text: str):
+        value = kind(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text} is not " + (f"{least} or more" if most == float("inf") else f"from {least} to {most}"))
+        return value
+
+    convert.__name__ = kind.__name__  # argparse's word for what is no number at all
+    return convert
+
+
 def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
     add = action.add_argument
-    add("--root", type=int, metavar="N", help=f"number of the mesh that gets the first map, from 0 (default: {root})")
+    add("--root", type=_number(int, 0), metavar="N", help=f"number of the mesh that gets the first map, from 0 (default: {root})")
     add("--method", choices=list(METHODS), default="robust", help="how a map gets to the next mesh (default: robust)")
     add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
     add("--parents", metavar="LIST", help='instead of --order: for each mesh the number of that which hands it the map, -1 for the root, '
         'as --parents="-1,0,1"')
-    add("--frequency", type=int, default=10, metavar="F", help="10 F^2 + 2 landmarks (default: 10, which gives 1002)")
+    add("--frequency", type=_number(int, 1), default=10, metavar="F", help="10 F^2 + 2 landmarks (default: 10, which gives 1002)")
     add("--initial-map", choices=[name.lower() for name in filters.INITIAL_MAPS], default="automatic",
         help="where the root map starts (default: automatic)")
-    add("--area-weight", type=float, default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
-    add("--area-restoration", type=float, default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
+    add("--area-weight", type=_number(float, 0, 1), default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
+    add("--area-restoration", type=_number(float, 0, 1), default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
     add("--labels", metavar="LIST", help='of a label volume: the label, or several to be united, as "1,2" (default: 1)')
-    add("--smoothing", type=float, metavar="VOXELS", help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)")
+    add("--smoothing", type=_number(float, 0, 5), metavar="VOXELS", help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)")
     add("--coordinates", choices=["ras", "lps"], help="of a label volume's surfaces (default: ras)")
     add("--skip-incomplete-phases", action="store_true", help="of a label volume: leave out phases that lack a label, instead of an error")
     add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

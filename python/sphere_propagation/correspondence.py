@@ -2,12 +2,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import List, Optional, Sequence
+from typing import List, Optional, Sequence, Union
 
 import numpy as np
 
 from .errors import InputError
-from .filters import Figures, parameterise_root, propagate, remesh
+from .filters import INITIAL_MAPS, METHODS, MOST_LANDMARKS, ORDERS, Figures, parameterise_root, propagate, remesh
 from .progress import Silent
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surfaces, largest
@@ -28,20 +28,65 @@ class Correspondence:
     figures: Figures  # those of Propagation and of Landmarks (its seconds are called remeshing_seconds)
 
 
+def check_arguments(count: int, *, root: Optional[int], method: str, order: str, frequency: int, initial_map: str, area_weight: float,
+                    area_restoration: float, parents: Union[str, Sequence[int]]) -> Optional[int]:
+    """What the filters would refuse of correspond()'s arguments, but late, for so many surfaces. Returns the root, where it is known.
+
+    Raises InputError.
+    """
+    for name, value, choices in (("method", method, METHODS), ("order", order, ORDERS), ("initial_map", initial_map, INITIAL_MAPS)):
+        if value not in choices:
+            raise InputError(f"{name} must be one of {', '.join(map(repr, choices))}, not {value!r}.")
+    for name, value in (("area_weight", area_weight), ("area_restoration", area_restoration)):
+        if not 0 <= value <= 1:
+            raise InputError(f"{name} must lie between 0 and 1, not at {value}.")
+    largest_frequency = int((MOST_LANDMARKS / count / 10) ** 0.5)
+    if not 1 <= frequency <= largest_frequency:
+        raise InputError(f"frequency must lie between 1 and {largest_frequency} for {count} surfaces, not at {frequency}.")
+    if order == "Given":
+        root = _root_of(parents, count, root)
+    if root is not None and not 0 <= root < count:
+        raise InputError(f"Layer {root} cannot be the root: layers are numbered from 0 to {count - 1}.")
+    return root
+
+
+def _root_of(parents: Union[str, Sequence[int]], count: int, root: Optional[int]) -> int:
+    """The one whose parent is -1, in parents that lead all layers to it."""
+    try:
+        numbers = [int(parent) for parent in (parents.split(",") if isinstance(parents, str) else parents)]
+    except ValueError:
+        raise InputError(f"parents must be whole numbers, as \"-1,0,1\", not {parents!r}.") from None
+    roots = [i for i, parent in enumerate(numbers) if parent == -1]
+    if len(numbers) != count or len(roots) != 1 or not all(-1 <= parent < count for parent in numbers):
+        raise InputError(f"parents must be {count} numbers, one per layer: -1 for the root, once, and for the others the layer that their map "
+                         f"comes from, 0 to {count - 1}; they are {', '.join(map(str, numbers))}.")
+    if root is not None and root != roots[0]:
+        raise InputError(f"Layer {root} cannot be the root: parents say that layer {roots[0]} is.")
+    for layer in range(count):
+        at = layer
+        for _ in range(count):
+            at = at if at == roots[0] else numbers[at]
+        if at != roots[0]:
+            raise InputError(f"parents lead from layer {layer} round in a circle, not to the root, layer {roots[0]}.")
+    return roots[0]
+
+
 def correspond(surfaces: Sequence[SurfaceLike], *, root: Optional[int] = None, method: str = "Robust", order: str = "Time",
                frequency: int = 10, initial_map: str = "Automatic", area_weight: float = 0.9, area_restoration: float = 0.0,
                parents="", root_map: Optional[MapLike] = None, progress=Silent()) -> Correspondence:
     """Corresponding landmarks on a sequence of closed surfaces, by parameterise_root, propagate and remesh, whose parameters it has.
 
     surfaces: in order of time, in one coordinate frame and unit. root: index of the surface that gets the first map; default: the one
-    of largest volume, end-diastole of a heart cycle. root_map: a map of it that exists already. progress: is told what is being done
-    and what was found, as a progress.Lines prints it.
+    of largest volume, end-diastole of a heart cycle, and in the order Given the one whose parent is -1. root_map: a map of it that
+    exists already. progress: is told what is being done and what was found, as a progress.Lines prints it.
+
+    Raises InputError for arguments out of range, before any work.
     """
     surfaces = as_surfaces(surfaces)
+    root = check_arguments(len(surfaces), root=root, method=method, order=order, frequency=frequency, initial_map=initial_map,
+                           area_weight=area_weight, area_restoration=area_restoration, parents=parents)
     if root is None:
         root = largest(surfaces)
-    if not 0 <= root < len(surfaces):
-        raise InputError(f"Layer {root} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}.")
     if root_map is None:
         progress.begin(f"root map of {surfaces[root].name}")
         root_map = parameterise_root(surfaces[root], initial_map=initial_map, area_weight=area_weight)

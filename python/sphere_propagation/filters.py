@@ -35,6 +35,7 @@ PARTS = ("Cavity", "Wall")
 COORDINATES = ("RAS", "LPS")
 
 MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
+MOST_LANDMARKS = 20_000_000  # of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp
 
 MOST_VOLUME_ERROR = 0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
 MOST_DROPPED = 0.05  # of the voxels, in smaller parts

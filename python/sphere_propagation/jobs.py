@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from . import files, filters, pictures, projects, report
-from .correspondence import Correspondence, correspond
+from .correspondence import Correspondence, check_arguments, correspond
 from .errors import InputError
 from .model import ShapeModel
 from .phantom import Ventricle
@@ -49,6 +49,8 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
     for path in paths:
         if home in path.resolve().parents:
             raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
+    if not any(map(files.is_label_volume, paths)):  # how many phases those have is known when they are read
+        check_arguments(len(paths), root=choices.root, method=choices.method, order=choices.order or "Time", **choices.parameters())
     name = name or _name_of(meshes, paths)
     steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices))
     surfaces = []
@@ -70,6 +72,9 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
 
 def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: int, progress: Callable[[int], Lines]) -> List[report.Run]:
     """Both parts of the phantom, by both methods, against the truth."""
+    if not 0.25 <= voxel_size <= 4:
+        raise InputError(f"The voxels of the phantom must measure 0.25 to 4 mm, not {voxel_size}.")
+    check_arguments(phases, root=choices.root, method=choices.method, order=choices.order or "Cyclic time", **choices.parameters())
     steps = progress(len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS)) + _picture_count(choices, phantom=True))
     results = ResultFolder(folder)
     results.create()

@@ -72,7 +72,7 @@ def test_it_builds_the_shape_model(heart, tmp_path, capsys):
 
 @pytest.mark.parametrize("name", ["../evil", "a/b", "..", ""])
 def test_a_name_that_is_a_path_is_refused_before_any_work(heart, tmp_path, capsys, name):
-    assert run("run", heart, "-o", tmp_path / "out" / "sub", "--name", name) == 1
+    assert run("run", heart, "-o", tmp_path / "out" / "sub", "--name", name) == 2
     assert "plain name" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
@@ -80,7 +80,7 @@ def test_a_name_that_is_a_path_is_refused_before_any_work(heart, tmp_path, capsy
 def test_options_reach_the_filters(heart, tmp_path, capsys):
     out = tmp_path / "out"
     files = sorted(heart.iterdir())
-    assert run("run", *files, "-o", out, "--name", "given", "--root", 2, "--parents=2,0,-1", "--method", "published", "--frequency", 2,
+    assert run("run", *files, "-o", out, "--name", "given", "--parents=2,0,-1", "--method", "published", "--frequency", 2,
                "--area-weight", 0.5, "--no-pictures") == 0
     found = rows(out)
     assert [row["parent"] for row in found] == ["2", "0", "-1"] and {row["method"] for row in found} == {"As published"}
@@ -140,8 +140,8 @@ def test_warnings_are_lines(cycle, heart, tmp_path, capsys):
     assert re.search(rf"^ +warning: {big.name} lies \d", said.out, re.M) and not said.err
 
 
-def refusal(capsys, *arguments):
-    assert run(*arguments) == 1
+def refusal(capsys, *arguments, code=1):
+    assert run(*arguments) == code
     said = capsys.readouterr().err
     assert said.startswith("error: ") and said.count("\n") == 1 and "Traceback" not in said
     return said
@@ -152,8 +152,7 @@ def test_refusals_name_what_is_wrong(cycle, heart, tmp_path, capsys):
     assert "There is no file or folder" in refusal(capsys, "run", tmp_path / "nowhere", "-o", out)
     (tmp_path / "empty").mkdir()
     assert "holds no mesh" in refusal(capsys, "run", tmp_path / "empty", "-o", out)
-    assert "Layer 9 cannot be the root" in refusal(capsys, "run", heart, "-o", out, "--root", 9)
-    assert "choose another" in refusal(capsys, "run", heart, "-o", tmp_path)
+    assert "choose another" in refusal(capsys, "run", heart, "-o", tmp_path, code=2)
     (tmp_path / "file").touch()
     assert "file: " in refusal(capsys, "run", heart, "-o", tmp_path / "file")
     opened = sp.Surface(cycle.surfaces[2].vertices, cycle.surfaces[2].faces[1:], cycle.surfaces[2].name)
@@ -170,6 +169,25 @@ def test_wrong_arguments_end_with_2(capsys):
         with pytest.raises(SystemExit) as end:
             command.main(arguments)
         assert end.value.code == 2
+
+
+@pytest.mark.parametrize("option, value, words", [
+    ("--frequency", "0", "0 is not 1 or more"), ("--frequency", "ten", "invalid int value"), ("--area-weight", "2", "2 is not from 0 to 1"),
+    ("--area-restoration", "-1", "-1 is not from 0 to 1"), ("--area-restoration", "nan", "nan is not"), ("--root", "-1", "-1 is not 0 or more")])
+def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
+    with pytest.raises(SystemExit) as end:
+        run("run", "x", "-o", "y", option, value)
+    assert end.value.code == 2 and words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option, words", [
+    ("--root=9", "Layer 9 cannot be the root"), ("--frequency=900", "frequency must lie between 1 and 816"),
+    ("--parents=-1,0", "parents must be 3 numbers"), ("--parents=-1,0,3", "parents must be 3 numbers"),
+    ("--parents=-1,0,-1", "-1 for the root, once"), ("--parents=-1,2,1", "round in a circle"), ("--parents=a,b,c", "whole numbers")])
+def test_arguments_that_do_not_fit_the_meshes_end_with_2_before_any_work(heart, tmp_path, capsys, option, words):
+    (heart / "phantom cavity 00.ply").write_text("not read")
+    assert words in refusal(capsys, "run", heart, "-o", tmp_path / "out", option, code=2)
+    assert not (tmp_path / "out").exists() and capsys.readouterr().out == ""
 
 
 def test_interrupting_it(tmp_path):
