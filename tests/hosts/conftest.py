@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "filters"), str(HERE.parents[1] / "sample_projects")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "filters"), str(HERE.parent / "volumes"), str(HERE.parents[1] / "sample_projects")]
 
 import pymeshlab  # noqa: E402
 
@@ -32,6 +32,7 @@ def plugin():
     if not (PREFIX / "bin/meshlabserver").exists():
         pytest.exit(f"There is no MeshLab 2020.09 in {PREFIX}: call `scripts/test hosts`.", returncode=1)
     pymeshlab.load_plugin(str(PLUGIN))
+    pymeshlab.load_plugin(str(PLUGIN.with_name("libfilter_label_volume.so")))
 
 
 @pytest.fixture(scope="session")

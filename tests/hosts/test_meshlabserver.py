@@ -1,10 +1,13 @@
 """The whole job in meshlabserver 2020.09: what it saves is judged by the yardstick and by PyMeshLab."""
+import gzip
+
 import numpy as np
 import pymeshlab
 import pytest
 
+import volume_files
 from conftest import heart
-from documents import EVALUATE, PROPAGATE, REMESH, ROOT, landmark_layers
+from documents import EVALUATE, MODEL, PROPAGATE, REMESH, ROOT, landmark_layers
 from server import SCRIPTS, layer_files, write_project, write_script
 
 ROOT_NAME, PROPAGATE_NAME, REMESH_NAME = (
@@ -91,6 +94,28 @@ def test_a_saved_project_goes_on_in_pymeshlab_and_comes_back(server, surfaces, t
     meshes.save_project(str(tmp_path / "pymeshlab.mlp"))
     run = server("-p", tmp_path / "pymeshlab.mlp", "-s", script, folder=tmp_path)
     assert run.code == 0 and run.output.count("1002 landmarks") >= len(surfaces), run.output[-3000:]
+
+
+def test_from_a_label_volume_to_the_model(server, tmp_path):
+    """Nothing is loaded: the script reads labels.nii.gz and writes model.npz; PyMeshLab makes the same of them."""
+    x = np.stack(np.meshgrid(*[np.linspace(-1.3, 1.3, n) for n in (30, 26, 10)], indexing="ij"), -1)
+    bend = 1 + 0.25 * x[..., 0] + 0.15 * x[..., 1] - 0.2 * x[..., 2]
+    eggs = [(x**2 * stretch).sum(-1) * bend < 1 for stretch in ([1, 1, 1], [1.5, 1, 1], [2, 1.5, 1], [1.5, 2.5, 1])]
+    labels = volume_files.nifti(np.stack(eggs, -1).astype("u1"), np.diag([2.0, 2, 6, 1]))
+    (tmp_path / "labels.nii.gz").write_bytes(gzip.compress(labels))
+    run = server("-s", SCRIPTS / "label_volume_to_model.mlx", "-w", tmp_path / "out.mlp", folder=tmp_path)
+    assert run.code == 0, run.output[-3000:]
+    files = layer_files(tmp_path / "out.mlp")
+    assert len(files) == 4 + 4 + 1 + 2 * 3 and all(file.is_file() for file in files)  # surfaces, landmarks, mean, modes
+
+    meshes = pymeshlab.MeshSet()
+    meshes.apply_filter("create_layers_from_label_volume", file_name=str(tmp_path / "labels.nii.gz"))
+    meshes.apply_filter(ROOT)
+    meshes.apply_filter(PROPAGATE, order="Cyclic time")
+    meshes.apply_filter(REMESH)
+    expected = meshes.apply_filter(MODEL)
+    with np.load(tmp_path / "model.npz") as model:
+        assert model["eigenvalues"] == pytest.approx(expected["eigenvalues"], rel=1e-3)
 
 
 def write_ply(path, vertices, texture, faces, scalar):
