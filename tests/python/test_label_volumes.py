@@ -128,7 +128,7 @@ def test_phases_without_the_label(tmp_path, capsys):
 def test_options_of_volumes_are_not_for_meshes(cycle, tmp_path, capsys):
     surface = cycle.surfaces[0]
     sp.write_ply(tmp_path / "mesh.ply", surface.vertices, surface.faces)
-    assert run("run", tmp_path / "mesh.ply", "-o", tmp_path / "out", "--labels", "1") == 1
+    assert run("run", tmp_path / "mesh.ply", "-o", tmp_path / "out", "--labels", "1") == 2
     assert "no label volume among the files, to which labels could apply" in capsys.readouterr().err
 
 
