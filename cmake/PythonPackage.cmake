@@ -1,5 +1,5 @@
 # What CMake puts into the Python package beside its modules (pyproject.toml): the plugins for PyMeshLab, as component `python`.
-set(python_plugins filter_sphere_propagation)
+set(python_plugins filter_sphere_propagation filter_label_volume)
 
 # After the plugins' targets.
 function(install_python_plugins)
@@ -10,10 +10,11 @@ function(install_python_plugins)
   endforeach()
 endfunction()
 
-# Plugins that were built before, as by scripts/wheel: there is nothing to compile.
+# Plugins that were built before, with the libraries that they need in lib/, as by scripts/wheel: there is nothing to compile.
 if(SPHERE_PROPAGATION_PLUGIN_DIR)
   add_custom_target(plugins)
   foreach(plugin ${python_plugins})
     install(FILES ${SPHERE_PROPAGATION_PLUGIN_DIR}/lib${plugin}.so DESTINATION . COMPONENT python EXCLUDE_FROM_ALL)
   endforeach()
+  install(DIRECTORY ${SPHERE_PROPAGATION_PLUGIN_DIR}/lib DESTINATION . COMPONENT python EXCLUDE_FROM_ALL)
 endif()

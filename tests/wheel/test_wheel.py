@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import check_wheel
+import volume_files
 
 PROJECT = Path(__file__).resolve().parents[2]
 VERSION = re.search(r"VERSION ([0-9.]+)", re.search(r"project\(.*", (PROJECT / "CMakeLists.txt").read_text())[0])[1]
@@ -21,6 +22,19 @@ def test_contents_tag_and_symbols(wheel):
 def plugin(wheel, tmp_path):
     with zipfile.ZipFile(wheel) as file:
         return file.extract(check_wheel.PLUGIN, tmp_path)
+
+
+def test_libraries_that_are_missing_are_found(wheel, tmp_path):
+    """Also those that a library inside needs, and the copyright."""
+    bad = tmp_path / wheel.name
+    with zipfile.ZipFile(wheel) as good, zipfile.ZipFile(bad, "w") as file:
+        lost = next(name for name in good.namelist() if name.startswith(check_wheel.BUNDLE + "libitkvnl-"))
+        for name in good.namelist():
+            if name != lost and "COPYRIGHT" not in name:
+                file.writestr(name, good.read(name))
+    complaints = check_wheel.wheel_complaints(bad)
+    assert any(f"needs {Path(lost).name}, which" in text for text in complaints)
+    assert "nothing says whose the libraries in it are" in complaints
 
 
 def test_symbols_that_are_too_new_are_found(plugin):
@@ -69,6 +83,22 @@ sp.write_layers("layers", "phantom", result)
 again = sp.read_mesh("layers/phantom/surfaces/phantom_cavity_02.ply")
 assert np.array_equal(again.faces, surfaces[2].faces)
 """
+    environment.run("python", "-W", "error", "-c", code)
+
+
+def test_label_volumes_need_nothing_of_the_system(environment):
+    """ITK's libraries are the wheel's own."""
+    (environment.folder / "egg.nii").write_bytes(volume_files.nifti(volume_files.egg()))
+    code = """
+import sphere_propagation as sp
+for name in ("egg.nii", "egg.mha", "egg.nrrd"):
+    (surface,) = sp.read_label_volume(name).surfaces
+    assert len(surface.vertices) - len(surface.faces) // 2 == 2
+used = {line.split()[-1] for line in open("/proc/self/maps") if "itk" in line.lower()}
+assert len(used) > 10 and all("/sphere_propagation/" in path for path in used), used
+"""
+    (environment.folder / "egg.mha").write_bytes(volume_files.meta(volume_files.egg()))
+    (environment.folder / "egg.nrrd").write_bytes(volume_files.nrrd(volume_files.egg()))
     environment.run("python", "-W", "error", "-c", code)
 
 
