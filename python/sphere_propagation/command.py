@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
-from . import filters, jobs, pictures, plugin, progress, report, version
+from . import filters, gallery, jobs, pictures, plugin, progress, report, version
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
 
 METHODS = {"robust": "Robust", "published": "As published"}
@@ -77,7 +77,8 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
         print(f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at")
         if (folder / data / "model.npz").exists():
             print(f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its scores, and how good it is")
-    print("  figures.csv: one row per layer" + ("    *.png: pictures" if (folder / "map.png").exists() else ""))
+    print("  figures.csv: one row per layer" + ("    *.png: pictures" if any(folder.glob("*.png")) else ""))
+    print(f"  {gallery.PAGE}: everything on one page, for a browser")
     return 0
 
 

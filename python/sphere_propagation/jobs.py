@@ -6,15 +6,19 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from . import files, filters, pictures, projects, report
+from . import files, filters, gallery, pictures, plugin, projects, report
 from .correspondence import Correspondence, check_arguments, correspond
 from .errors import InputError
+from .gallery import Section
 from .model import ShapeModel
-from .phantom import Ventricle
+from .nifti import write_nifti
+from .phantom import SCAN_SPACING, Ventricle
 from .progress import Lines
 from .results import ResultFolder
+from .surface import Surface
 from .views import Row
 
+SECONDS_PER_PHASE = 0.04  # in the phantom's scan; nothing depends on it
 STEPS_OF_A_METHOD = 2  # maps, landmarks
 
 
@@ -52,7 +56,7 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
     if not any(map(files.is_label_volume, paths)):  # how many phases those have is known when they are read
         check_arguments(len(paths), root=choices.root, method=choices.method, order=choices.order or "Time", **choices.parameters())
     name = name or _name_of(meshes, paths)
-    steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices))
+    steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices, with_model=1))
     surfaces = []
     for path in paths:
         steps.begin(f"reading {path.name}")
@@ -64,28 +68,38 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
     results.create()  # before the work, not after
     result = correspond(surfaces, root=choices.root, method=choices.method, order=choices.order or "Time", progress=steps,
                         **choices.parameters())
-    row = Row(name, result)
+    row = Row(name, result, unit="mm" if all(map(files.is_label_volume, paths)) else None)
     _write_layers(results, name, row, steps)
-    _build_model(results, name, result, steps)
-    return _finish(results, [row], [report.Run(name, result)], None, choices, steps)
+    model = _build_model(results, name, result, steps)
+    runs = [report.Run(name, result)]
+    text = (f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of them. Method {result.method}, order "
+            f"{result.order}, root {surfaces[result.root].name}.")
+    return _finish(results, f"{name}: from surfaces to a shape model", text, [Section([row], runs, model=model)], choices, steps)
 
 
 def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: int, progress: Callable[[int], Lines]) -> List[report.Run]:
-    """Both parts of the phantom, by both methods, against the truth."""
+    """The phantom from a scan of it to a shape model; and both its parts, by both methods, against the truth."""
     if not 0.25 <= voxel_size <= 4:
         raise InputError(f"The voxels of the phantom must measure 0.25 to 4 mm, not {voxel_size}.")
     check_arguments(phases, root=choices.root, method=choices.method, order=choices.order or "Cyclic time", **choices.parameters())
-    steps = progress(len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS)) + _picture_count(choices, phantom=True))
+    without = plugin.volume_failure()
+    scanned = int(not without)
+    steps = progress(len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS)) + scanned * (4 + STEPS_OF_A_METHOD)
+                     + _picture_count(choices, with_model=scanned, with_errors=1))
     results = ResultFolder(folder)
     results.create()
-    runs, rows, errors = [], [], []
+    fine, runs, rows, errors, sections = {}, [], [], [], []
     for part in filters.PARTS:
-        name = part.lower()
-        steps.begin(f"{name}: making the phantom")
-        surfaces = filters.make_phantom(part=part, phases=phases, voxel_size=voxel_size, seed=seed)
-        vertices = np.mean([len(surface.vertices) for surface in surfaces])
-        steps.done(f"{name}: {len(surfaces)} phases of the phantom, {vertices:.0f} vertices on average")
-        found, root_map = {}, None
+        steps.begin(f"{part.lower()}: making the phantom")
+        fine[part] = filters.make_phantom(part=part, phases=phases, voxel_size=voxel_size, seed=seed)
+        vertices = np.mean([len(surface.vertices) for surface in fine[part]])
+        steps.done(f"{part.lower()}: {phases} phases of the phantom, {vertices:.0f} vertices on average")
+    if scanned:
+        sections.append(_scan_section(results, Ventricle("Cavity", phases, seed), fine["Cavity"], choices, steps))
+    else:
+        steps.note(f"no scan: label volumes cannot be read here. {without}")
+    for part, surfaces in fine.items():
+        name, found, root_map = part.lower(), {}, None
         for method in filters.METHODS:
             found[method] = correspond(surfaces, root=choices.root or 0, root_map=root_map, method=method,
                                        order=choices.order or "Cyclic time", progress=_Named(steps, name), **choices.parameters())
@@ -98,7 +112,37 @@ def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: 
         rows.append(Row(part, found["Robust"], unit="mm", up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
         _build_model(results, name, found["Robust"], steps)
-    return _finish(results, rows, runs, errors, choices, steps)
+    sections.append(Section(rows, runs, "How right is it? Fine surfaces whose truth is known",
+                            "Labels say nothing of the tissue between the slices, so a scan cannot tell how far landmarks follow it. The "
+                            f"same ventricle without a scanner can: its surfaces in voxels of {voxel_size:g} mm, cavity and wall, and of "
+                            "every point where the tissue there goes. Both methods are measured against that.", "truth_", errors=errors))
+    text = (f"A phantom, number {seed}, over one cycle of {phases} phases, " + ("first as a scanner sees it, in slices "
+            f"{SCAN_SPACING[2]:g} mm apart; then as it is." if scanned else "as it is."))
+    return _finish(results, "A beating ventricle, from labels to a shape model" if scanned else "A beating ventricle", text, sections, choices,
+                   steps)
+
+
+def _scan_section(results: ResultFolder, phantom: Ventricle, fine: Sequence[Surface], choices: Choices, steps: Lines) -> Section:
+    """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
+    name = "scan"
+    steps.begin(f"{name}: labelling slices")
+    labels, affine = phantom.scan()
+    path = results.write(f"{name}/{name}.nii.gz", lambda path: write_nifti(path, labels, affine, SECONDS_PER_PHASE))
+    voxels = " x ".join(f"{length:g}" for length in SCAN_SPACING)
+    steps.done(f"{name}: {labels.shape[3]} phases of labels, voxels of {voxels} mm")
+    steps.begin(f"{name}: surfaces of the labels")
+    surfaces = filters.read_label_volume(path, **{key: value for key, value in choices.volume.items() if key != "voxel_size"}).surfaces
+    steps.done(f"{name}: {len(surfaces)} surfaces, {np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average")
+    result = correspond(surfaces, root=choices.root or 0, order=choices.order or "Cyclic time", progress=_Named(steps, name),
+                        **choices.parameters())
+    row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1))
+    _write_layers(results, name, row, steps)
+    model = _build_model(results, name, result, steps)
+    whole = str(choices.volume.get("labels", "1")) == "1"
+    return Section([row], [report.Run(name, result)], "From a label volume to a shape model",
+                   f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. What comes out: a closed surface per "
+                   "phase, landmarks that correspond, and the statistical shape model of the cycle.", model=model,
+                   true_volumes=np.array([surface.volume for surface in fine]) if whole else None)
 
 
 def _name_of(given: Sequence, paths: Sequence[Path]) -> str:
@@ -137,31 +181,19 @@ def _build_model(results: ResultFolder, name: str, result: Correspondence, steps
     return model
 
 
-def _finish(results: ResultFolder, rows: Sequence[Row], runs: List[report.Run], errors: Optional[list], choices: Choices,
-            steps: Lines) -> List[report.Run]:
-    """The table of figures, then pictures, which can fail for reasons of their own."""
+def _finish(results: ResultFolder, title: str, text: str, sections: Sequence[Section], choices: Choices, steps: Lines) -> List[report.Run]:
+    """The table of figures, then the page and its pictures, which can fail for reasons of their own."""
+    runs = [run for section in sections for run in section.runs]
     results.write("figures.csv", lambda path: report.write_csv(path, runs))
-    if _picture_count(choices):
-        _draw(results, rows, errors, steps)
-    elif choices.pictures:
-        steps.note(f"no pictures: {pictures.what_is_missing()}")
+    missing = pictures.what_is_missing() if choices.pictures else ""
+    if missing:
+        steps.note(f"no pictures: {missing}")
+    gallery.show(results, title, text, sections, choices.pictures and not missing, steps)
     for path in results.kept:
         steps.note(f"kept, because it was changed since it was written or is somebody else's: {path}")
     steps.close()
     return runs
 
 
-def _draw(results: ResultFolder, rows: Sequence[Row], errors: Optional[list], steps: Lines) -> None:
-    drawings = [("landmarks.png", "landmarks over the cycle", lambda path: pictures.landmarks_over_cycle(rows, path)),
-                ("checkerboard.png", "the maps over the cycle", lambda path: pictures.maps_over_cycle(rows, path)),
-                ("map.png", "the root and its sphere", lambda path: pictures.root_and_sphere(rows, path))]
-    if errors:
-        drawings.append(("error.png", "error over the cycle", lambda path: pictures.errors_over_phase(rows, errors, path)))
-    for name, what, draw in drawings:
-        steps.begin(f"{name}: {what}")
-        results.write(name, draw)
-        steps.done(f"{name}: {what}")
-
-
-def _picture_count(choices: Choices, phantom: bool = False) -> int:
-    return 0 if not choices.pictures or pictures.what_is_missing() else 4 if phantom else 3
+def _picture_count(choices: Choices, **sections: int) -> int:
+    return 0 if not choices.pictures or pictures.what_is_missing() else gallery.picture_count(**sections)

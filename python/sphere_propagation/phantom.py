@@ -6,12 +6,15 @@ known at the layers' vertices only, which lie up to half a voxel off the ventric
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
 RIM = 0.93  # u at which the surface ends for measurements: above, the base is cut where the voxels end
 TRUSTED = 1.2  # mm: a landmark farther from that surface is not on it
+
+
+SCAN_SPACING = (1.4, 1.4, 10.0)  # mm: that of a clinical cine scan
 
 
 class MaterialPoints(NamedTuple):
@@ -57,6 +60,39 @@ class Ventricle:
         z = -(0.55 * self.length * (1 - 0.16 * contraction) + 0.9 * outward) * np.cos(phi)
         x = x + self.bend * np.sin(np.pi * (z / self.length + 0.6) / 1.2)
         return np.stack(np.broadcast_arrays(x, y, z), -1)
+
+    def scan(self, spacing: Tuple[float, float, float] = SCAN_SPACING) -> Tuple[np.ndarray, np.ndarray]:
+        """What a scanner and somebody who draws outlines leave of it: labels (x, y, z, phase), 1 the cavity and 2 the wall, below the
+        plane of the base; and the affine matrix (4, 4) from indices to mm. A voxel has the label of the tissue at its centre. The slices
+        lie where as few as possible leave the cavity or come into it during the cycle, as one plans a scan.
+        """
+        u, theta = np.linspace(0, 1, 241), np.linspace(0, 2 * np.pi, 181)
+        sheets = [[self.position(u[:, None], theta, m, phase) for m in (1.0, 0.0)] for phase in range(self.phases)]
+        outer = np.concatenate([sheet[0].reshape(-1, 3) for sheet in sheets])
+        spacing = np.asarray(spacing, float)
+        origin = np.floor(outer.min(0) / spacing - 1) * spacing
+        origin[2] += self._slice_offset(spacing[2])
+        size = np.ceil((outer.max(0) - origin) / spacing).astype(int) + 2
+        x, y, z = (origin[k] + spacing[k] * np.arange(size[k]) for k in range(3))
+        labels = np.zeros((*size, self.phases), np.uint8)
+        for phase, both in enumerate(sheets):
+            base = both[1][-1, :, 2].min()
+            for label, sheet in zip((2, 1), both):
+                for k in np.flatnonzero(z <= base):
+                    if z[k] > sheet[0, 0, 2]:
+                        labels[:, :, k, phase][_inside(x, y, _outline(sheet, z[k]))] = label
+        affine = np.diag([*spacing, 1.0])
+        affine[:3, 3] = origin
+        return labels, affine
+
+    def _slice_offset(self, gap: float) -> float:
+        """0 to gap: where the slices of a scan lie best."""
+        ends = np.array([self.position(np.array([0.0, 1.0]), 0.0, 0.0, phase)[:, 2] for phase in range(self.phases)])
+        offsets = np.linspace(0, gap, 41)[:-1]
+        first, last = (np.floor((ends[:, end, None] - offsets) / gap) for end in (0, 1))
+        changes = np.ptp(first, 0) + np.ptp(last, 0)
+        depth = np.mod(offsets - ends[:, :1], gap).min(0)  # of the first slice behind the apex
+        return float(offsets[np.lexsort((-depth, changes))[0]])
 
     def material_points(self, points: np.ndarray, phase: float) -> MaterialPoints:
         """The tissue at points (n, 3) of a surface: the closest points of the ventricle's sheets up to the rim.
@@ -106,3 +142,18 @@ def _nearest(points, samples):
     """Index of the sample that is closest to each point."""
     squares = (samples ** 2).sum(1)
     return np.concatenate([(squares - 2 * chunk @ samples.T).argmin(1) for chunk in np.array_split(points, 1 + len(points) // 500)])
+
+
+def _outline(sheet, height):
+    """Where a sheet, rows of points from apex to base, meets a plane z = height: a closed polygon, x and y."""
+    return np.array([[np.interp(height, column[:, 2], column[:, k]) for k in range(2)] for column in sheet.transpose(1, 0, 2)])
+
+
+def _inside(x, y, polygon):
+    """Which points of the grid x by y a closed polygon surrounds (even-odd rule)."""
+    inside = np.zeros((len(x), len(y)), bool)
+    for (ax, ay), (bx, by) in zip(polygon[:-1], polygon[1:]):
+        crosses = (ay > y) != (by > y)
+        if crosses.any():
+            inside[:, crosses] ^= x[:, None] < (bx - ax) * (y[crosses] - ay) / (by - ay) + ax
+    return inside

@@ -74,20 +74,21 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
         turned = positions @ sphere_rotation(seen, positions).T
         half = np.abs(seen - center)[:, :2].max()
         for vertices, extent in ((seen - center, half), (turned, 1.0)):
-            scene = _Scene(np.eye(3), np.zeros(3), np.full(2, 1.06 * extent), size / (2.12 * extent))
+            scene = Scene(np.eye(3), np.zeros(3), np.full(2, 1.06 * extent), size / (2.12 * extent))
             scene.checkerboard(vertices, surface.faces, positions, spherical=vertices is turned)
             panels.append(scene.image())
     captions = []
     for row in rows:
         figures, root = row.result.figures, row.result.root
-        captions += [f"{row.title}, {len(row.result.surfaces[root].faces)} triangles",
+        whose = f"{row.title}, " if len(rows) > 1 else ""
+        captions += [f"{whose}{len(row.result.surfaces[root].faces)} triangles",
                      f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd {figures['area_ratio_sd'][root]:.4f}"]
     _set([panels], [captions], path, "A surface and its area-preserving map to the sphere")
 
 
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
     """Error against known material points, one panel per row; `errors`: method -> mm per phase, one dict per row."""
-    plt = _matplotlib()
+    plt = matplotlib_pyplot()
     figure, axes = plt.subplots(1, len(rows), figsize=(5.2 * len(rows) + 0.6, 4.2), dpi=200, sharey=True, squeeze=False)
     top = max(values.max() for found in errors for values in found.values())
     for axis, row, found in zip(axes[0], rows, errors):
@@ -99,12 +100,7 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
         axis.set_xlim(-0.5, len(values) - 0.5)
         axis.set_ylim(0, 1.3 * top)
         axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top])  # none behind the legend
-        axis.grid(axis="y", color="#e5e7eb", lw=1)
-        axis.set_axisbelow(True)
-        axis.tick_params(colors=GREY, length=0, labelleft=True)
-        for side in ("top", "right", "left"):
-            axis.spines[side].set_visible(False)
-        axis.spines["bottom"].set_color("#9ca3af")
+        quiet_axes(axis)
         axis.legend(fontsize=10.5, loc="upper left", labelcolor=INK, frameon=True, framealpha=1, edgecolor="white")
     axes[0][0].set_ylabel("mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY)
     figure.tight_layout(w_pad=2.5)
@@ -136,7 +132,7 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
         captions.append([])
         names.append(row.title)
         for phase in phases:
-            scene = _Scene(rotation, center, np.array([width, extent[1]]), scale)
+            scene = Scene(rotation, center, np.array([width, extent[1]]), scale)
             draw(scene, row.result, phase)
             panels[-1].append(scene.image())
             surface = row.result.surfaces[phase]
@@ -146,7 +142,7 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
 
 def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_count: int = 0):
     """Rows of images with captions on one white page."""
-    plt = _matplotlib()
+    plt = matplotlib_pyplot()
     gap, line, margin, head = 26, 54, 40, 110
     foot = 120 if landmark_count else 40
     width = max(sum(image.shape[1] for image in row) + gap * (len(row) - 1) for row in panels) + 2 * margin
@@ -189,14 +185,24 @@ def _spacing(result: Correspondence) -> float:
     return float(np.median(np.linalg.norm(points[faces[:, 0]] - points[faces[:, 1]], axis=1)))
 
 
-def _matplotlib():
+def matplotlib_pyplot():
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     return plt
 
 
-class _Scene:
+def quiet_axes(axis, both: bool = False) -> None:
+    """A light grid, across or both ways, and no frame."""
+    axis.grid(axis="both" if both else "y", color="#e5e7eb", lw=1)
+    axis.set_axisbelow(True)
+    axis.tick_params(colors=GREY, length=0, labelleft=True)
+    for side in ("top", "right", "left"):
+        axis.spines[side].set_visible(False)
+    axis.spines["bottom"].set_color("#9ca3af")
+
+
+class Scene:
     """One picture without text, on white, in parallel projection.
 
     rotation, center: to view coordinates, and what is in the middle there; extent: half width and height in the surfaces' unit;

@@ -72,8 +72,8 @@ def model_summary(model: ShapeModel, share: float = 0.95) -> str:
             f"{enough} for {100 * share:.0f} %")
 
 
-def summary(runs: Sequence[Run]) -> str:
-    """One line per run."""
+def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
+    """One row per run, and the head before them."""
     head = ["data", "method", "layers", "flips", "repaired", "root sd", "residual"]
     known = any(run.errors is not None for run in runs)
     if known:
@@ -87,6 +87,13 @@ def summary(runs: Sequence[Run]) -> str:
         if known:
             line += ["", ""] if errors is None else [f"{errors.max():.2f} mm", f"{errors.mean():.2f} mm"]
         lines.append(line)
+    return lines
+
+
+def summary(runs: Sequence[Run]) -> str:
+    """One line per run."""
+    lines = summary_rows(runs)
+    head = lines[0]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
     pad = lambda text, k: text.ljust(widths[k]) if k < 2 else text.rjust(widths[k])
     return "\n".join("  ".join(pad(text, k) for k, text in enumerate(line)).rstrip() for line in lines)

@@ -1,4 +1,5 @@
 """The command line: what it leaves behind, what it says, how it ends."""
+import base64
 import csv
 import io
 import re
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 import sphere_propagation as sp
-from sphere_propagation import command, pictures, progress
+from sphere_propagation import command, pictures, plugin, progress
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
 
@@ -44,8 +45,20 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
     said = capsys.readouterr().out
     assert str(out) in said and re.search(r"heart +Robust +3 +0 ", said)
     assert [row["root"] for row in rows(out)] == ["1", "0", "0"]  # the largest volume is end-diastole
-    for name in ("landmarks.png", "checkerboard.png", "map.png", "heart/heart.mlp", "heart/heart_overview.mlp"):
+    made = ("landmarks.png", "checkerboard.png", "map.png", "modes.png", "model.png", "scores.png", "volume.png")
+    assert sorted(path.name for path in out.glob("*.png")) == sorted(made)
+    for name in (*made, "heart/heart.mlp", "heart/heart_overview.mlp"):
         assert (out / name).stat().st_size > 1000
+    page = (out / "report.html").read_text()
+    assert [base64.b64decode(data) for data in re.findall(r'src="data:image/png;base64,([^"]+)"', page)] == [
+        (out / name).read_bytes() for name in made]
+    assert_that_it_is_one_file(page)
+
+
+def assert_that_it_is_one_file(page):
+    """Nothing is fetched: every source is data, and no sheet, script or link leads out."""
+    assert set(re.findall(r'src="(.{5})', page)) <= {"data:"}
+    assert not re.search(r"<(script|link|iframe)|url\(|href=|https?://", re.sub(r'src="data:[^"]+"', "", page))
 
 
 def test_it_builds_the_shape_model(heart, tmp_path, capsys):
@@ -95,9 +108,31 @@ def test_options_reach_the_filters(heart, tmp_path, capsys):
 def test_the_phantom(tmp_path, capsys):
     assert run("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--seed", 1, "--frequency", 2, "--no-pictures") == 0
     found = rows(tmp_path)
-    assert len(found) == 12 and {(row["data"], row["method"]) for row in found} == {
-        (data, method) for data in ("cavity", "wall") for method in ("Robust", "As published")}
-    assert all(0 <= float(row["error_mm"]) < 12 for row in found)
+    assert len(found) == 15 and {(row["data"], row["method"]) for row in found} == {
+        ("scan", "Robust"), *((data, method) for data in ("cavity", "wall") for method in ("Robust", "As published"))}
+    assert all(row["error_mm"] == "" if row["data"] == "scan" else 0 <= float(row["error_mm"]) < 12 for row in found)
+    assert len(sp.read_label_volume(tmp_path / "scan/scan.nii.gz").surfaces) == 3
+    with np.load(tmp_path / "scan/model.npz") as model:
+        assert model["scores"].shape == (3, 2)
+    page = (tmp_path / "report.html").read_text()
+    assert_that_it_is_one_file(page)
+    assert re.findall("<h2>(.*?)</h2>", page) == ["From a label volume to a shape model", "How right is it? Fine surfaces whose truth is known"]
+    assert page.count("phantom wall 02") == 2 and page.count("scan label 1 phase 02") == 1 and "<img" not in page
+
+
+def test_the_phantom_in_pictures(tmp_path, capsys):
+    assert run("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--frequency", 2) == 0
+    made = sorted(path.name for path in tmp_path.glob("*.png"))
+    of_the_scan = ["checkerboard.png", "landmarks.png", "map.png", "model.png", "modes.png", "scores.png", "volume.png"]
+    assert made == sorted([*of_the_scan, "error.png", "truth_checkerboard.png", "truth_landmarks.png", "truth_map.png"])
+    assert (tmp_path / "report.html").read_text().count("<img") == len(made)
+
+
+def test_the_phantom_where_label_volumes_cannot_be_read(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(plugin, "volume_failure", lambda: "ITK is missing.")
+    assert run("demo", tmp_path, "--phases", 2, "--voxel-size", 4, "--frequency", 2, "--no-pictures") == 0
+    assert "no scan: label volumes cannot be read here. ITK is missing." in capsys.readouterr().out
+    assert {row["data"] for row in rows(tmp_path)} == {"cavity", "wall"} and not (tmp_path / "scan").exists()
 
 
 def test_the_demos_input_is_the_same_as_run(heart, tmp_path, capsys):

@@ -6,7 +6,7 @@ import pymeshlab
 import pytest
 
 import sphere_propagation as sp
-from sphere_propagation import filters
+from sphere_propagation import filters, model_pictures
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +58,21 @@ def test_it_is_the_filter(cycle, model, tmp_path):
     with np.load(tmp_path / "model.npz") as file:
         for name in ("mean", "modes", "eigenvalues", "scores", "faces"):
             assert np.array_equal(file[name], getattr(again, name)) and np.array_equal(file[name], getattr(model, name)), name
+
+
+def test_pictures_have_the_colours_of_the_layers(cycle, model):
+    meshes = pymeshlab.MeshSet()
+    for points in cycle.landmarks:
+        meshes.add_mesh(pymeshlab.Mesh(points, cycle.landmark_faces))
+    meshes.apply_filter(filters.MODEL)
+    made = {mesh.label(): mesh for mesh in meshes if mesh.label().startswith("mode ")}
+    reach = max(np.abs(mesh.vertex_scalar_array()).max() for mesh in made.values())
+    for m in range(3):
+        for sign, deviations in (("-", -3), ("+", 3)):
+            mesh = made[f"mode {m + 1} {sign}3 sd"]
+            values = model_pictures.displacements(model, model.along(m, deviations))
+            assert values == pytest.approx(mesh.vertex_scalar_array(), abs=1e-9)
+            assert model_pictures.displacement_colors(values, reach) == pytest.approx(mesh.vertex_color_matrix()[:, :3], abs=0.003)
 
 
 def test_modes_can_be_left_out(cycle, model):

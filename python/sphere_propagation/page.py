@@ -1,0 +1,124 @@
+"""One HTML page with everything that a run has to show: pictures and tables inside, nothing from the network."""
+from __future__ import annotations
+
+import base64
+import html
+from pathlib import Path
+from typing import List, NamedTuple, Sequence
+
+from . import report
+from .model import ShapeModel
+from .version import version
+
+STYLE = """
+:root { color-scheme: light; }
+body { margin: 0; background: #f5f6f8; color: #1c2530; font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+main { max-width: 1180px; margin: 0 auto; padding: 40px 28px 64px; }
+h1 { font-size: 30px; line-height: 1.2; margin: 0 0 8px; }
+h2 { font-size: 23px; margin: 52px 0 6px; padding-top: 22px; border-top: 2px solid #d8dce2; }
+h3 { font-size: 17px; margin: 30px 0 8px; }
+p { margin: 6px 0 14px; max-width: 82ch; }
+.muted, figcaption, footer { color: #5b6570; }
+figure { margin: 20px 0 28px; }
+figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14); }
+figure.narrow img { max-width: 760px; }
+figcaption { font-size: 14.5px; margin-top: 8px; max-width: 96ch; }
+.scroll { overflow-x: auto; background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14); margin: 12px 0 24px; }
+table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
+th, td { padding: 6px 12px; text-align: right; white-space: nowrap; border-bottom: 1px solid #e8ebef; }
+th { color: #5b6570; font-weight: 600; }
+td.words, th.words { text-align: left; }
+details { margin: 12px 0; }
+summary { cursor: pointer; font-weight: 600; }
+footer { margin-top: 56px; font-size: 14px; }
+"""
+
+
+class Picture(NamedTuple):
+    path: Path
+    caption: str
+    narrow: bool = False
+
+
+class Table(NamedTuple):
+    title: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    words: int = 1  # columns from the left that are text
+    folded: bool = False
+
+
+class Chapter(NamedTuple):
+    title: str
+    text: str
+    pictures: Sequence[Picture]
+    tables: Sequence[Table]
+
+
+def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None:
+    """Pictures that are not there are left out."""
+    parts = [f"<h1>{html.escape(title)}</h1>", f'<p class="muted">{html.escape(text)}</p>']
+    for chapter in chapters:
+        parts.append(f"<h2>{html.escape(chapter.title)}</h2>" if chapter.title else "")
+        parts.append(f"<p>{html.escape(chapter.text)}</p>" if chapter.text else "")
+        parts += [_figure(picture) for picture in chapter.pictures if picture.path.is_file()]
+        parts += [_table(table) for table in chapter.tables]
+    parts.append(f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are inside this file.</footer>")
+    body = "\n".join(filter(None, parts))
+    Path(path).write_text(f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
+                          f'content="width=device-width, initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n'
+                          f"</head>\n<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n", encoding="utf-8")
+
+
+def summary_table(runs: Sequence[report.Run]) -> Table:
+    """One row per run."""
+    head, *rows = report.summary_rows(runs)
+    return Table("Figures of the runs", head, rows, words=2)
+
+
+def layer_table(run: report.Run) -> Table:
+    """One row per layer."""
+    columns = [("layer", "layer"), ("vertices", "vertices"), ("flipped_faces", "flips"), ("area_ratio_sd", "area ratio sd"),
+               ("angle_error_mean", "angle error, °"), ("residual_mean", "residual"), ("surface_distance_mean", "landmark mesh to surface"),
+               ("error_mm", "error, mm"), ("seconds", "s")]
+    rows = report.rows(run)
+    columns = [(key, words) for key, words in columns if any(row.get(key, "") != "" for row in rows)]
+    cells = [[_short(row.get(key, "")) + (" (root)" if key == "layer" and row["root"] else "") for key, _ in columns] for row in rows]
+    return Table(f"Every layer: {run.data}, {run.result.method.lower()}", [words for _, words in columns], cells, folded=True)
+
+
+def model_table(model: ShapeModel, most: int = 10) -> Table:
+    """One row per number of modes."""
+    def with_error(name: str, m: int) -> str:
+        return f"{model.figures[name][m]:.3f} ± {model.figures[name + '_error'][m]:.3f}"
+
+    rows = [[str(m + 1), f"{model.eigenvalues[m]:.4g}", f"{100 * model.figures['variance_share'][m]:.2f} %", with_error("generalisation", m),
+             with_error("specificity", m)] for m in range(min(most, len(model.modes)))]
+    return Table("The shape model by number of modes", ["modes", "eigenvalue", "share of the variance", "generalisation", "specificity"],
+                 rows, words=0)
+
+
+def _short(value) -> str:
+    try:
+        return str(value) if isinstance(value, int) else f"{float(value):.4g}"
+    except ValueError:
+        return str(value)
+
+
+def _figure(picture: Picture) -> str:
+    data = base64.b64encode(picture.path.read_bytes()).decode()
+    caption = html.escape(picture.caption)
+    return (f'<figure{" class=narrow" if picture.narrow else ""}><img src="data:image/png;base64,{data}" alt="{caption}">'
+            f"<figcaption>{caption}</figcaption></figure>")
+
+
+def _table(table: Table) -> str:
+    def row(cells: Sequence[str], tag: str) -> str:
+        return "<tr>" + "".join(f"<{tag}{' class=words' if k < table.words else ''}>{html.escape(cell)}</{tag}>"
+                                for k, cell in enumerate(cells)) + "</tr>"
+
+    lines: List[str] = ['<div class="scroll"><table>', f"<thead>{row(table.head, 'th')}</thead>", "<tbody>",
+                        *(row(cells, "td") for cells in table.rows), "</tbody></table></div>"]
+    content = "\n".join(lines)
+    title = html.escape(table.title)
+    return f"<details><summary>{title}</summary>{content}</details>" if table.folded else f"<h3>{title}</h3>{content}"
