@@ -1,0 +1,152 @@
+// propagation_benchmark [OPTION...] LAYER.ply LAYER.ply ...
+//
+// Does the main job on the layers, the first being the root: maps it, propagates, remeshes. Prints one line: what came
+// of it, and what each step cost. Options:
+//   --method robust|published   default robust
+//   --order time|cyclic|similarity|star   default cyclic
+//   --root N          counted from 0; default 0
+//   --threads N       0 = all; default 0
+//   --repeat N        take the least of N runs, after one that is not counted
+//   --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "benchmarks/ply.h"
+#include "benchmarks/timing.h"
+#include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/map/root_map.h"
+#include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/propagation/propagation.h"
+#include "vcg_ext/propagation/similarity_tree.h"
+#include "vcg_ext/remeshing/remeshing.h"
+
+namespace sphere_propagation::benchmark {
+namespace {
+
+struct Options {
+  PropagationParameters parameters;
+  std::string order = "cyclic", landmarks;
+  int root = 0, repeat = 1;
+  std::vector<std::string> files;
+};
+
+Options optionsOf(const std::vector<std::string>& arguments) {
+  Options options;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const auto value = [&] { return arguments.at(++i); };
+    if (word == "--method") {
+      options.parameters.method = value() == "published" ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+    } else if (word == "--order") {
+      options.order = value();
+    } else if (word == "--root") {
+      options.root = std::stoi(value());
+    } else if (word == "--threads") {
+      options.parameters.threads = std::stoi(value());
+    } else if (word == "--repeat") {
+      options.repeat = std::stoi(value());
+    } else if (word == "--landmarks") {
+      options.landmarks = value();
+    } else {
+      options.files.push_back(word);
+    }
+  }
+  return options;
+}
+
+PropagationTree treeOf(const Options& options, const std::vector<ClosedSurface>& surfaces) {
+  const int layers = static_cast<int>(surfaces.size());
+  if (options.order == "time") return timeOrder(layers, options.root);
+  if (options.order == "star") return star(layers, options.root);
+  if (options.order == "similarity") {
+    ThreadPool pool(options.parameters.threads);
+    return similarityTree(surfaces, options.root, pool).tree;
+  }
+  return cyclicTimeOrder(layers, options.root);
+}
+
+/// The least of several runs of something that gives the same each time.
+struct Cost {
+  double cpu = 0, wall = 0;
+  template <class Function>
+  explicit Cost(int repeat, const Function& work) {
+    for (int i = repeat > 1 ? -1 : 0; i < repeat; ++i) {
+      const double start = cpuSeconds();
+      const Stopwatch stopwatch;
+      work();
+      const double seconds = stopwatch.seconds(), used = cpuSeconds() - start;
+      cpu = i <= 0 ? used : std::min(cpu, used);
+      wall = i <= 0 ? seconds : std::min(wall, seconds);
+    }
+  }
+};
+
+void run(const Options& options) {
+  std::vector<ClosedSurface> surfaces;
+  double vertices = 0;
+  for (const std::string& file : options.files) {
+    const PlyMesh mesh = readPly(file);
+    surfaces.emplace_back(mesh.vertices, mesh.faces, file);
+    vertices += surfaces.back().vertexCount();
+  }
+  const ClosedSurface& root = surfaces.at(static_cast<size_t>(options.root));
+  RootMapParameters rootParameters;
+  rootParameters.threads = options.parameters.threads;
+  std::vector<RootMapResult> rootMap;
+  const Cost ofRoot(options.repeat, [&] { rootMap = {makeRootMap(root, rootParameters)}; });
+  Propagation made;
+  const Cost ofPropagation(options.repeat, [&] {
+    made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), options.parameters);
+  });
+  const Icosphere sphere = icosphere(10);
+  std::vector<Points> landmarks(surfaces.size());
+  const Cost ofRemeshing(options.repeat, [&] {
+    for (size_t i = 0; i < surfaces.size(); ++i)
+      landmarks[i] = remesh(surfaces[i], made.layers[i].map, sphere.vertices).landmarks;
+  });
+  const Cost ofDistances(options.repeat, [&] {
+    for (size_t i = 0; i < surfaces.size(); ++i) surfaceDistance(landmarks[i], sphere.faces, surfaces[i]);
+  });
+
+  long flips = 0;
+  double residual = 0;
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    flips += certify(surfaces[i].faces(), made.layers[i].map.positions()).flippedFaces;
+    residual += made.layers[i].residualMean / static_cast<double>(surfaces.size() - 1);
+  }
+  std::printf("layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld residual=%.4f u=%.5f", surfaces.size(),
+              root.vertexCount(), vertices / static_cast<double>(surfaces.size()), flips, residual,
+              unitSeconds(root.vertices(), root.faces()));
+  const std::map<std::string, Cost> costs = {
+      {"distances", ofDistances}, {"propagation", ofPropagation}, {"remeshing", ofRemeshing}, {"root", ofRoot}};
+  for (const auto& [name, cost] : costs)
+    std::printf(" %s_cpu=%.4f %s_wall=%.4f", name.c_str(), cost.cpu, name.c_str(), cost.wall);
+  std::printf("\n");
+
+  if (options.landmarks.empty()) return;
+  std::ofstream file(options.landmarks, std::ios::binary);
+  for (const Points& layer : landmarks)
+    file.write(reinterpret_cast<const char*>(layer.data()),
+               static_cast<std::streamsize>(sizeof(double)) * static_cast<std::streamsize>(layer.size()));
+}
+
+}  // namespace
+}  // namespace sphere_propagation::benchmark
+
+int main(int count, char** arguments) {
+  using namespace sphere_propagation::benchmark;
+  try {
+    run(optionsOf({arguments + 1, arguments + count}));
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
