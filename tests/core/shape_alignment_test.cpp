@@ -54,6 +54,19 @@ TEST(ShapeAlignment, KnowsTheSphereByItsArea) {
   EXPECT_EQ(sphere.samples().rows(), 100);
 }
 
+TEST(ShapeAlignment, NoPoseUndoesADifferenceOfVolumes) {
+  const Mesh mesh = bumpy(10, 1);
+  const AlignedShape shape(surfaceOf(mesh));
+  EXPECT_NEAR(leastShapeDistance(shape, shape), 0, 1e-12);
+  for (double scale : {0.8, 0.95, 1.3}) {
+    const AlignedShape other(surfaceOf(test::transformed(mesh, test::randomRotation(3), scale, Vector3(1, 2, 3))));
+    const double found = shapeDistance(other, shape, motionFromAnywhere(other, shape));
+    EXPECT_LT(leastShapeDistance(other, shape), found) << scale;
+    EXPECT_GT(leastShapeDistance(other, shape), 0.4 * found) << scale;  // it says something
+    EXPECT_EQ(leastShapeDistance(other, shape), leastShapeDistance(shape, other));
+  }
+}
+
 TEST(ShapeAlignment, MirrorImagesDoNotFit) {
   const AlignedShape shape(surfaceOf(bumpy(10, 1))), mirrored(surfaceOf(test::mirrored(bumpy(10, 1))));
   EXPECT_GT(shapeDistance(mirrored, shape, motionFromAnywhere(mirrored, shape)), 0.5);

@@ -42,6 +42,8 @@ class FaceTree {
     int count;  // leaf: its number of faces; else 0
   };
 
+  void fitBoxes(double margin);
+
   std::vector<Node> nodes_;
   std::vector<Face> faces_;
 };

@@ -115,15 +115,23 @@ struct ClosestQuery {
 
 SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces) : tree_(vertices, faces) {
   normals_.reserve(tree_.faces().size());
-  for (const FaceTree::Face& face : tree_.faces()) normals_.push_back(unitNormal(face.corner));
+  places_.resize(tree_.faces().size());
+  for (const FaceTree::Face& face : tree_.faces()) {
+    places_[static_cast<size_t>(face.index)] = normals_.size();
+    normals_.push_back(unitNormal(face.corner));
+  }
 }
 
-SurfacePoint SurfaceLocator::closest(const Vector3& x) const {
-  return ClosestQuery{tree_, normals_, x, nullptr, 0}.answer();
+SurfacePoint SurfaceLocator::closest(const Vector3& x, int near) const {
+  ClosestQuery query{tree_, normals_, x, nullptr, 0};
+  if (near >= 0) query.visit(places_[static_cast<size_t>(near)]);
+  return query.answer();
 }
 
-SurfacePoint SurfaceLocator::closest(const Vector3& x, const Vector3& direction, double leastCosine) const {
-  return ClosestQuery{tree_, normals_, x, &direction, leastCosine}.answer();
+SurfacePoint SurfaceLocator::closest(const Vector3& x, const Vector3& direction, double leastCosine, int near) const {
+  ClosestQuery query{tree_, normals_, x, &direction, leastCosine};
+  if (near >= 0) query.visit(places_[static_cast<size_t>(near)]);
+  return query.answer();
 }
 
 }  // namespace sphere_propagation

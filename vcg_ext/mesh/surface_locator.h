@@ -28,14 +28,16 @@ class SurfaceLocator {
   SurfaceLocator(const Points& vertices, const Triangles& faces);
 
   /// The point of the mesh closest to x. Of faces at the same (computed) distance the one with the smallest index.
-  SurfacePoint closest(const Vector3& x) const;
+  /// near: a face that is probably close, to look at first; -1: none. It saves time and changes nothing.
+  SurfacePoint closest(const Vector3& x, int near = -1) const;
 
   /// The same among the faces whose unit normal has a dot product >= leastCosine with the unit vector `direction`;
   /// face = -1 when there is none. Faces without area agree with no direction.
-  SurfacePoint closest(const Vector3& x, const Vector3& direction, double leastCosine) const;
+  SurfacePoint closest(const Vector3& x, const Vector3& direction, double leastCosine, int near = -1) const;
 
  private:
   FaceTree tree_;
+  std::vector<size_t> places_;    // of the mesh's faces in the tree's order
   std::vector<Vector3> normals_;  // unit normals in the tree's order; zero for faces without area
 };
 

@@ -19,6 +19,11 @@ ClosedSurface mirrorImage(const ClosedSurface& surface) {
   return {vertices, faces, surface.name()};
 }
 
+/// Whether another pose, or the mirror image, could fit far better than the shape does at this distance.
+bool mayFitFarBetter(const AlignedShape& shape, const AlignedShape& as, double distance) {
+  return distance > nearEnough * as.radius() && distance > farBetter * leastShapeDistance(shape, as);
+}
+
 struct FoundPose {
   LayerPose pose;
   double distance;  // of the shapes, so laid
@@ -35,7 +40,7 @@ FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const Rigi
       found.pose.toRoot = asToRoot;
     }
   }
-  if (found.distance > nearEnough * as.radius()) {
+  if (mayFitFarBetter(shape, as, found.distance)) {
     const RigidMotion motion = motionFromAnywhere(shape, as);
     const double distance = shapeDistance(shape, as, motion);
     if (found.distance > farBetter * distance) {
@@ -48,8 +53,8 @@ FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const Rigi
 }
 
 /// Whether the mirror image fits far better than the shape does at this distance.
-bool isMirrored(const ClosedSurface& surface, double distance, const AlignedShape& as) {
-  if (distance <= nearEnough * as.radius()) return false;
+bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, double distance, const AlignedShape& as) {
+  if (!mayFitFarBetter(shape, as, distance)) return false;
   const AlignedShape mirrored(mirrorImage(surface));
   return distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
 }
@@ -73,7 +78,7 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
     if (anew) found = findPose(shapes[i], shapes[near], poses[near].toRoot);
     LayerPose& pose = poses[i];
     pose = found.pose;
-    pose.mirrored = isMirrored(surfaces[i], found.distance, shapes[anew ? near : far]);
+    pose.mirrored = isMirrored(surfaces[i], shapes[i], found.distance, shapes[anew ? near : far]);
     const Vector3& centre = shapes[i].centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;

@@ -50,10 +50,12 @@ TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& refe
   const std::vector<double> cosines = leastCosines(target, normals);
   Points positions(target.vertexCount(), 3);
   std::vector<double> distances(cosines.size());
+  int near = -1;  // vertices that follow each other are often neighbours
   for (int v = 0; v < target.vertexCount(); ++v) {
     SurfacePoint point;
-    if (cosines[v] <= 1) point = locator.closest(target.vertex(v), normals.row(v).transpose(), cosines[v]);
-    if (point.face < 0) point = locator.closest(target.vertex(v));
+    if (cosines[v] <= 1) point = locator.closest(target.vertex(v), normals.row(v).transpose(), cosines[v], near);
+    if (point.face < 0) point = locator.closest(target.vertex(v), near);
+    near = point.face;
     positions.row(v) = point.interpolate(reference.faces(), referenceMap.positions()).transpose();
     distances[v] = point.distance;
   }

@@ -7,13 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "vcg_ext/base/dense_kernels.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr int iterations = 3;      // per arc
-constexpr double agreement = 0.5;  // least dot product of a layer's face normal with the template's
+constexpr int iterations = 3, iterationsAgain = 2;  // per arc, without and with an earlier fit
+constexpr double agreement = 0.5;                   // least dot product of a layer's face normal with the template's
 constexpr int local = MotionModel::localColumns, affine = MotionModel::affineColumns, all = MotionModel::columns;
 
 // Learning, all variances in units of A0/2.
@@ -21,7 +22,8 @@ constexpr MotionVariances fixedVariances{1, 0.5, 1, 0.3}, wideVariances{1, 2, 1,
     startVariances{0.15, 0.5, 0.5, 0.2};
 constexpr double wideNoise = 6, temperedNoise = 24, learntNoise = 1.5;
 constexpr double varianceFloor = 0.01;
-constexpr int varianceRounds = 100, covarianceRounds = 10;
+constexpr int varianceRounds = 100, covarianceRounds = 12;
+constexpr double solved = 1e-6;      // squared, in the norm that conjugate gradients make smaller
 constexpr double strainShare = 0.1;  // the evidence over-estimates strain
 constexpr double priorArcs = 8;      // what the diagonal covariance counts against the arcs
 
@@ -34,41 +36,54 @@ double medianOf(std::vector<double> values) {
   return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
 }
 
-/// The data term at c, linear in the step away from `before`.
-ArcEquations equationsAt(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& c,
-                         const Eigen::VectorXd& before, double noise) {
+/// The data term at c, for noise 1.
+struct DataTerm {
+  Eigen::VectorXd weights;  // of the nodes; zero where no face of the layer agrees
+  Points directions;        // m_i
+  Points pull;              // w_i (m_i . (p_i - x_i)) m_i
+};
+
+/// nearby: for each node a face of the layer to look at first, -1 where there is none; the closest ones on return.
+DataTerm dataTermAt(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& c,
+                    std::vector<int>& nearby) {
   const Points moved = model.movedNodes(c), normals = vertexNormals(moved, model.faces());
   const Eigen::Index count = moved.rows();
   std::vector<SurfacePoint> closest(static_cast<size_t>(count));
   std::vector<double> distances;
+  distances.reserve(closest.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     SurfacePoint& point = closest[static_cast<size_t>(i)];
-    point = target.locator.closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement);
+    int& near = nearby[static_cast<size_t>(i)];
+    point = target.locator.closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement, near);
+    near = point.face;
     if (point.face >= 0) distances.push_back(point.distance);
   }
   const double scale = std::max(4 * medianOf(distances), target.meanEdge);
-  Eigen::MatrixXd rows(all, static_cast<Eigen::Index>(distances.size()));  // column i: sqrt(weight) b_i
-  Eigen::VectorXd rightSides(rows.cols());
-  Eigen::Index used = 0;
+  const double unit = 0.5 * model.meanVertexArea() / (target.meanVertexArea * target.meanVertexArea);
+  DataTerm data{Eigen::VectorXd::Zero(count), Points::Zero(count, 3), Points::Zero(count, 3)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const SurfacePoint& point = closest[static_cast<size_t>(i)];
     if (point.face < 0) continue;
     const Vector3 m = point.interpolate(target.surface->faces(), target.normals).normalized();
     const Vector3 p = point.interpolate(target.surface->faces(), target.surface->vertices());
     const double robust = 1 / (1 + (point.distance / scale) * (point.distance / scale));
-    const double weight = 0.5 * model.meanVertexArea() * model.areas()[i] * robust /
-                          (noise * target.meanVertexArea * target.meanVertexArea);
-    const double root = std::sqrt(weight);
-    model.project(static_cast<int>(i), m, rows.col(used).data());
-    const double y = m.dot(p - model.nodes().row(i).transpose()) - rows.col(used).dot(before);
-    rightSides[used] = root * y;
-    rows.col(used) *= root;
-    ++used;
+    data.weights[i] = unit * model.areas()[i] * robust;
+    data.directions.row(i) = m.transpose();
+    data.pull.row(i) = data.weights[i] * m.dot(p - moved.row(i).transpose()) * m.transpose();
   }
-  ArcEquations equations{Eigen::MatrixXd::Zero(all, all), rows * rightSides};
-  equations.matrix.selfadjointView<Eigen::Lower>().rankUpdate(rows);
-  equations.matrix.triangularView<Eigen::StrictlyUpper>() = equations.matrix.transpose();
-  return equations;
+  return data;
+}
+
+/// What the data term says of each coefficient: the sum of w_i (B_i^T m_i) (B_i^T m_i)^T.
+Eigen::MatrixXd informationOf(const MotionModel& model, const DataTerm& data) {
+  // In single precision: it says how far to step, not where to, and costs half.
+  RowsF rows(data.weights.size(), all);
+  Eigen::VectorXd row(all);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    model.project(static_cast<int>(i), data.directions.row(i).transpose(), row.data());
+    rows.row(i) = (std::sqrt(data.weights[i]) * row).cast<float>().transpose();
+  }
+  return sumOfOuterProducts(rows).cast<double>();
 }
 
 /// (A + D^-1)^-1 a, the affine system of an arc with the local coefficients integrated out.
@@ -86,6 +101,24 @@ AffineSystem withoutLocal(const ArcEquations& e, double localVariance) {
   const Eigen::MatrixXd mixed = e.matrix.bottomLeftCorner(affine, local);
   return {e.matrix.bottomRightCorner(affine, affine) - mixed * solved.leftCols(affine),
           e.vector.tail(affine) - mixed * solved.col(affine)};
+}
+
+/// Solves (H + precision) c = h by conjugate gradients, from the c that is given. inverse: that of a similar matrix.
+void solve(const ArcEquations& e, const Eigen::MatrixXd& precision, const Eigen::MatrixXd& inverse,
+           Eigen::VectorXd& c) {
+  const Eigen::MatrixXd system = e.matrix + precision;
+  Eigen::VectorXd rest = e.vector - system * c, step = inverse * rest, along = step;
+  double left = rest.dot(step);
+  const double enough = solved * e.vector.dot(inverse * e.vector);
+  for (int i = 0; i < all && left > enough; ++i) {
+    const Eigen::VectorXd image = system * along;
+    const double length = left / along.dot(image);
+    c += length * along;
+    rest -= length * image;
+    step.noalias() = inverse * rest;
+    const double before = std::exchange(left, rest.dot(step));
+    along = step + left / before * along;
+  }
 }
 
 MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {
@@ -115,10 +148,6 @@ MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {
   return variances;
 }
 
-Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& positiveDefinite) {
-  return positiveDefinite.llt().solve(Eigen::MatrixXd::Identity(positiveDefinite.rows(), positiveDefinite.cols()));
-}
-
 }  // namespace
 
 Eigen::VectorXd MotionVariances::diagonal() const {
@@ -145,7 +174,8 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
 }
 
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress) {
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress,
+                    const std::vector<Eigen::VectorXd>& earlier) {
   MotionFit fit;
   fit.coefficients.assign(targets.size(), Eigen::VectorXd::Zero(all));
   fit.equations.resize(targets.size());
@@ -154,15 +184,19 @@ MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& t
   for (size_t level = 1; level < levels.size(); ++level) {
     pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
       const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
-      const Eigen::VectorXd& before = fit.coefficients[static_cast<size_t>(tree.parent[t])];
+      const auto s = static_cast<size_t>(tree.parent[t]);
+      const Eigen::VectorXd& before = fit.coefficients[s];
       Eigen::VectorXd c = before;
-      ArcEquations equations;
-      for (int i = 0; i < iterations; ++i) {
-        equations = equationsAt(model, targets[t], c, before, prior.noise);
+      if (!earlier.empty()) c += earlier[t] - earlier[s];
+      std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
+      ArcEquations& equations = fit.equations[t];
+      for (int i = 0; i < (earlier.empty() ? iterations : iterationsAgain); ++i) {
+        const DataTerm data = dataTermAt(model, targets[t], c, nearby);
+        equations.matrix = informationOf(model, data) / prior.noise;
+        equations.vector = model.projectAll(data.pull) / prior.noise + equations.matrix * (c - before);
         c = before + (equations.matrix + prior.precision).llt().solve(equations.vector);
       }
       fit.coefficients[t] = std::move(c);
-      fit.equations[t] = std::move(equations);
     });
     done += levels[level].size();
     report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));
@@ -181,22 +215,23 @@ LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionT
   LearntPrior learnt;
   learnt.variances = learnVariances(equations);
   const Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
-  Eigen::MatrixXd covariance = towards;
+  const double count = static_cast<double>(equations.size());
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(all, all), covariance = towards;
+  for (const ArcEquations& e : equations) mean += e.matrix / count;
+  std::vector<Eigen::VectorXd> expected(equations.size(), Eigen::VectorXd::Zero(all));
   for (int round = 0; round < covarianceRounds; ++round) {
-    const Eigen::MatrixXd precision = inverseOf(covariance);
-    std::vector<Eigen::MatrixXd> second(equations.size());  // moments, added up in the arcs' order
+    const Eigen::MatrixXd precision = inverseOf(covariance), uncertainty = inverseOf(mean + precision);
     pool.forEach(static_cast<int>(equations.size()), [&](int k) {
-      const ArcEquations& e = equations[static_cast<size_t>(k)];
-      second[static_cast<size_t>(k)] = inverseOf(e.matrix + precision);
-      const Eigen::VectorXd c = second[static_cast<size_t>(k)] * e.vector;
-      second[static_cast<size_t>(k)].noalias() += c * c.transpose();
+      const auto i = static_cast<size_t>(k);
+      solve(equations[i], precision, uncertainty, expected[i]);
     });
-    Eigen::MatrixXd total = priorArcs * towards;
-    for (const Eigen::MatrixXd& moments : second) total += moments;
-    covariance = total / (static_cast<double>(equations.size()) + priorArcs);
+    covariance = priorArcs * towards + count * uncertainty;
+    for (const Eigen::VectorXd& c : expected) covariance.noalias() += c * c.transpose();
+    covariance /= count + priorArcs;
     report(progress, 0.7 + 0.3 * (round + 1) / covarianceRounds);
   }
   learnt.prior = {inverseOf(covariance), learntNoise};
+  learnt.coefficients = std::move(fit.coefficients);
   return learnt;
 }
 

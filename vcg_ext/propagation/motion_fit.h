@@ -60,19 +60,24 @@ struct MotionFit {
 };
 
 /// Fits all layers of a tree. targets: the layers; tree: with the moving surface as root. pool: who does the work;
-/// layers equally far from the root are fitted at once, with the same result.
+/// layers equally far from the root are fitted at once, with the same result. earlier: coefficients of a fit of the
+/// same layers with another prior, if there is one: each arc then starts with the step that it took there, and takes
+/// two iterations instead of three.
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {});
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {},
+                    const std::vector<Eigen::VectorXd>& earlier = {});
 
 /// The prior learnt from the sequence itself.
 struct LearntPrior {
   MotionPrior prior;
-  MotionVariances variances;  ///< that it was drawn towards
+  MotionVariances variances;                  ///< that it was drawn towards
+  std::vector<Eigen::VectorXd> coefficients;  ///< of the fit that it was learnt from
 };
 
 /// Learns how much this sequence translates, strains and rotates from arc to arc, then the full covariance:
 /// (1) a fit with a wide prior; (2) expectation-maximisation of the three affine variances over its arcs, the local
-/// coefficients integrated out and the noise tempered; (3) of the full covariance, drawn towards (2).
+/// coefficients integrated out and the noise tempered; (3) of the full covariance, drawn towards (2), where what an arc
+/// leaves uncertain is taken from the mean of all arcs' equations.
 /// For sequences in time of about a dozen layers or more.
 LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionTarget>& targets,
                              const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {});

@@ -90,6 +90,22 @@ void MotionModel::project(int i, const Vector3& m, double* row) const {
     for (int b = a + 1; b < 3; ++b) *row++ = half * (m[a] * y[b] - m[b] * y[a]);
 }
 
+Eigen::VectorXd MotionModel::projectAll(const Points& forces) const {
+  Eigen::VectorXd sum(columns);
+  sum.head<localColumns>().noalias() =
+      local_.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
+  sum.segment<3>(localColumns) = forces.colwise().sum().transpose();
+  const Eigen::Matrix3d moment = forces.transpose() * arms_;  // of f_a y_b
+  int k = localColumns + 3;
+  for (int a = 0; a < 3; ++a) sum[k++] = moment(a, a);
+  constexpr double half = 0.70710678118654752440;
+  for (int a = 0; a < 2; ++a)
+    for (int b = a + 1; b < 3; ++b) sum[k++] = half * (moment(a, b) + moment(b, a));
+  for (int a = 0; a < 2; ++a)
+    for (int b = a + 1; b < 3; ++b) sum[k++] = half * (moment(a, b) - moment(b, a));
+  return sum;
+}
+
 Points MotionModel::displacements(const Eigen::VectorXd& c) const {
   const Eigen::VectorXd local = local_ * c.head<localColumns>();
   Points moved = Eigen::Map<const Points>(local.data(), nodes_.rows(), 3);

@@ -50,6 +50,8 @@ class MotionModel {
   Points movedVertices(const Eigen::VectorXd& c) const;
   /// B_i^T m: what a coefficient moves node i along the direction m. Length `columns`.
   void project(int i, const Vector3& m, double* row) const;
+  /// The sum of B_i^T f_i. forces: f, #N by 3. Length `columns`.
+  Eigen::VectorXd projectAll(const Points& forces) const;
 
  private:
   Points displacements(const Eigen::VectorXd& c) const;

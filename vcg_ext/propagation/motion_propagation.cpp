@@ -35,12 +35,14 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
   const std::vector<MotionTarget> targets = motionTargets(surfaces, pool);
   const bool learns = tree.size() - 1 >= leastArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
+  std::vector<Eigen::VectorXd> earlier;
   if (learns) {
     LearntPrior learnt = learnMotionPrior(model, targets, tree, pool, part(progress, 0, 0.5));
     prior = std::move(learnt.prior);
     followed.learnt = learnt.variances;
+    earlier = std::move(learnt.coefficients);
   }
-  const MotionFit fit = fitMotion(model, targets, tree, prior, pool, part(progress, learns ? 0.5 : 0, 0.75));
+  const MotionFit fit = fitMotion(model, targets, tree, prior, pool, part(progress, learns ? 0.5 : 0, 0.75), earlier);
   const double share = fitting.seconds() / static_cast<double>(surfaces.size() - 1);
 
   size_t done = 0;

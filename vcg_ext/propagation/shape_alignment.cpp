@@ -19,7 +19,8 @@ constexpr int alignmentIterations = 10, anywhereIterations = 30;
 constexpr size_t startsToRefine = 6;
 constexpr double equallyGood = 1.05;
 constexpr int planeIterations = 20;
-constexpr Eigen::Index planeSamples = 1000;
+constexpr Eigen::Index fewPlanes = 200, planes = 1000;  // first by few points, then by more
+constexpr double nearlyThere = 1e-3, there = 1e-6;      // steps, in R
 constexpr double planeAgreement = 0.5;  // of normals
 
 /// Vertices each as far as possible from those before; the first is the one farthest from the centre.
@@ -101,9 +102,11 @@ std::vector<Eigen::Matrix3d> icosahedralRotations() {
 }  // namespace
 
 /// Gauss-Newton on the distances of points from the planes at their closest points, as seen from the centre.
-RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, const AlignedShape& to) {
+RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, const AlignedShape& to,
+                            Eigen::Index count, double enough) {
   const Points& points = from.vertices_.points();
-  const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / planeSamples);
+  const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / count);
+  std::vector<int> nearby(static_cast<size_t>(points.rows()), -1);
   RigidMotion motion = start;
   for (int iteration = 0; iteration < planeIterations; ++iteration) {
     Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
@@ -111,7 +114,9 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, 
     for (Eigen::Index i = 0; i < points.rows(); i += step) {
       const Vector3 x = motion.rotation * points.row(i).transpose() + motion.translation;
       const Vector3 direction = motion.rotation * from.normals_.row(i).transpose();
-      const SurfacePoint closest = to.surface_.closest(x, direction, planeAgreement);
+      int& near = nearby[static_cast<size_t>(i)];
+      const SurfacePoint closest = to.surface_.closest(x, direction, planeAgreement, near);
+      near = closest.face;
       if (closest.face < 0) continue;
       const Vector3 n = closest.interpolate(to.faces_, to.normals_).normalized();
       const Vector3 p = closest.interpolate(to.faces_, to.vertices_.points());
@@ -130,7 +135,7 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, 
     const Eigen::Matrix3d rotation =
         angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
     motion = {rotation * motion.rotation, rotation * (motion.translation - to.centre_) + to.centre_ + step6.tail<3>()};
-    if (step6.norm() < 1e-6) break;
+    if (step6.norm() < enough) break;
   }
   return motion;
 }
@@ -141,6 +146,7 @@ AlignedShape::AlignedShape(const ClosedSurface& surface)
 AlignedShape::AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& areas)
     : centre_(surface.vertices().transpose() * areas / areas.sum()),
       radius_(radiusOfSphere(areas.sum())),
+      volume_(enclosedVolume(surface.vertices(), surface.faces())),
       axes_(axesOf(surface.vertices(), centre_, areas / areas.sum())),
       samples_(spreadOver(surface.vertices(), centre_)),
       vertices_(surface.vertices()),
@@ -200,7 +206,8 @@ RigidMotion motionFromAnywhere(const AlignedShape& from, const AlignedShape& to)
     leastAngle = angle;
     best = starts[i].motion;
   }
-  const RigidMotion exact = refinedByPlanes(best, from, to);
+  const RigidMotion exact =
+      refinedByPlanes(refinedByPlanes(best, from, to, fewPlanes, nearlyThere), from, to, planes, there);
   return shapeDistance(from, to, exact) <= equallyGood * least ? exact : best;
 }
 
@@ -216,6 +223,11 @@ double shapeDistance(const AlignedShape& from, const AlignedShape& to, const Rig
   return (rootMeanSquare(motion.applyTo(from.samples_), to.surface_) +
           rootMeanSquare(motion.inverse().applyTo(to.samples_), from.surface_)) /
          2;
+}
+
+double leastShapeDistance(const AlignedShape& a, const AlignedShape& b) {
+  const double radius = std::max(a.radius(), b.radius());
+  return std::fabs(a.volume() - b.volume()) / (4 * pi * radius * radius);
 }
 
 }  // namespace sphere_propagation

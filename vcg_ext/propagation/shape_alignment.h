@@ -20,9 +20,10 @@ class AlignedShape {
   const Points& samples() const { return samples_; }  ///< #S by 3, where the surface lies
   const Vector3& centre() const { return centre_; }   ///< by area: vertices lie as the mesh likes
   double radius() const { return radius_; }           ///< of the sphere of the same area
+  double volume() const { return volume_; }           ///< enclosed
 
  private:
-  friend RigidMotion refinedByPlanes(const RigidMotion&, const AlignedShape&, const AlignedShape&);
+  friend RigidMotion refinedByPlanes(const RigidMotion&, const AlignedShape&, const AlignedShape&, Eigen::Index, double);
   friend RigidMotion motionByAxes(const AlignedShape&, const AlignedShape&);
   friend RigidMotion motionFromAnywhere(const AlignedShape&, const AlignedShape&);
   friend double shapeDistance(const AlignedShape&, const AlignedShape&, const RigidMotion&);
@@ -30,7 +31,7 @@ class AlignedShape {
   AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& areas);  // of the vertices
 
   Vector3 centre_;
-  double radius_;
+  double radius_, volume_;
   Eigen::Matrix3d axes_;  // columns, by falling variance, right-handed
   Points samples_;        // each as far as possible from those before
   VertexLocator vertices_;
@@ -54,5 +55,9 @@ RigidMotion motionFromAnywhere(const AlignedShape& from, const AlignedShape& to)
 /// Root mean square distance of the samples of one from the surface of the other, and the other way round, averaged.
 /// motion: how `from` is moved.
 double shapeDistance(const AlignedShape& from, const AlignedShape& to, const RigidMotion& motion = {});
+
+/// What no motion, nor a reflection, makes the distance of the shapes much smaller than: the difference of their
+/// volumes has to lie between them, spread over the larger of the two at best.
+double leastShapeDistance(const AlignedShape& a, const AlignedShape& b);
 
 }  // namespace sphere_propagation

@@ -1,0 +1,56 @@
+#include "vcg_ext/base/dense_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "tests/core/test_meshes.h"
+
+namespace sphere_propagation {
+namespace {
+
+RowsF randomRows(Eigen::Index count, Eigen::Index columns, unsigned seed) {
+  test::Random random(seed);
+  RowsF rows(count, columns);
+  for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = static_cast<float>(random.normal());
+  return rows;
+}
+
+TEST(DenseKernels, SumsOuterProducts) {
+  for (Eigen::Index count : {0, 1, 5, 64, 65, 200})
+    for (Eigen::Index columns : {1, 5, 6, 16, 17, 48, 252}) {
+      const RowsF rows = randomRows(count, columns, static_cast<unsigned>(count + columns));
+      const Eigen::MatrixXd expected = rows.cast<double>().transpose() * rows.cast<double>();
+      const Eigen::MatrixXf sum = sumOfOuterProducts(rows);
+      EXPECT_EQ(sum, sum.transpose());
+      EXPECT_LT((sum.cast<double>() - expected).norm(), 1e-5 * (1 + expected.norm())) << count << " " << columns;
+    }
+}
+
+TEST(DenseKernels, SumsInTheOrderOfTheRows) {
+  // So that every processor rounds in the same way.
+  const RowsF rows = randomRows(150, 20, 3);
+  Eigen::MatrixXf expected = Eigen::MatrixXf::Zero(20, 20);
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    for (Eigen::Index i = 0; i < 20; ++i)
+      for (Eigen::Index j = 0; j < 20; ++j) {
+        const volatile float product = rows(k, i) * rows(k, j);  // not fused with the sum
+        expected(i, j) += product;
+      }
+  EXPECT_EQ(sumOfOuterProducts(rows), expected);
+}
+
+TEST(DenseKernels, InvertsPositiveDefiniteMatrices) {
+  for (Eigen::Index size : {1, 2, 11, 12, 13, 40, 252}) {
+    const Eigen::MatrixXd rows = randomRows(size + 3, size, static_cast<unsigned>(size)).cast<double>();
+    const Eigen::MatrixXd matrix = rows.transpose() * rows + 1e-3 * Eigen::MatrixXd::Identity(size, size);
+    Eigen::MatrixXd lower = matrix;
+    lower.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // not looked at
+    const Eigen::MatrixXd inverse = inverseOf(lower);
+    EXPECT_EQ(inverse, inverse.transpose());
+    EXPECT_LT((inverse * matrix - Eigen::MatrixXd::Identity(size, size)).norm(), 1e-8) << size;
+  }
+}
+
+}  // namespace
+}  // namespace sphere_propagation
