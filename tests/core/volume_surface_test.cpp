@@ -136,6 +136,40 @@ TEST(VolumeSurface, ClosesHalfASliceBeyondTheLastOnes) {
   EXPECT_NEAR(surface.volume / surface.labelVolume, 1, 0.01);
 }
 
+TEST(VolumeSurface, KeepsAWallThatSlipsFartherThanItIsThick) {
+  // A funnel with a bottom: 6 mm thick in its slices, 9 mm wider from one to the next.
+  const auto funnel = [](const Vector3& x) {
+    const double outer = 30 + 0.9 * x[2], r = x.head<2>().norm();
+    return r < outer && (r > outer - 6 || x[2] < -20);
+  };
+  const VolumeSurface surface = surfaceOf(labelsOf(funnel, {76, 76, 6}, {1.5, 1.5, 10}));
+  requireSphere(surface);
+  EXPECT_EQ(surface.handles.handles, 0);
+  EXPECT_EQ(surface.dropped.parts, 0);
+  EXPECT_NEAR(surface.volume / surface.labelVolume, 1, 0.03);
+  long between = 0;  // the vertices half way between slices lie on the cones, as at the slices
+  for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v) {
+    const double z = surface.vertices(v, 2), r = surface.vertices.row(v).head<2>().norm(), outer = 30 + 0.9 * z;
+    if (z < -14 || z > 24) continue;
+    ++between;
+    EXPECT_LT(std::min(std::fabs(r - outer), std::fabs(r - outer + 6)), 1.5) << surface.vertices.row(v);
+  }
+  EXPECT_GT(between, 1000);
+}
+
+TEST(VolumeSurface, PutsNoLidOnAWallThatOpensToTheSide) {
+  const auto notched = [](const Vector3& x) {
+    const double r = x.head<2>().norm();
+    if (x[2] > 0 && x[0] > 0 && std::fabs(x[1]) < 8) return false;
+    return r < 20 && (r > 14 || x[2] < -20);
+  };
+  const VolumeSurface surface = surfaceOf(labelsOf(notched, {35, 35, 6}, {1.5, 1.5, 10}));
+  requireSphere(surface);
+  EXPECT_EQ(surface.handles.handles, 0);
+  for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
+    EXPECT_TRUE(surface.vertices(v, 2) < -15 || surface.vertices.row(v).head<2>().norm() > 11);
+}
+
 TEST(VolumeSurface, InterpolatesMissingSlicesAndCountsThem) {
   for (const double slice : {1.0, 4.0}) {
     const auto cone = [](const Vector3& x) { return x.head<2>().norm() < 12 - 0.2 * x[2] && std::fabs(x[2]) < 17; };

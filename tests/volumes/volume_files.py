@@ -1,4 +1,4 @@
-"""Writes label volumes in the formats that are read, by their specifications, without a library."""
+"""Writes label volumes in the formats that are read, and reads NIfTI, by their specifications, without a library."""
 import gzip
 import struct
 import zlib
@@ -37,6 +37,17 @@ def nifti(array, matrix=np.eye(4), size=None, sform=1, qform=None, pixdim=None, 
         struct.pack_into(order + "12f", head, 280, *np.asarray(matrix, float)[:3].ravel())
     head[344:348] = b"n+1\0"
     return bytes(head) + data(array.astype(array.dtype.newbyteorder(order)))
+
+
+def read_nifti(path):
+    """The voxels of a little-endian .nii.gz, and its sform."""
+    content = gzip.decompress(path.read_bytes())
+    size, (kind,), (begin,) = (struct.unpack_from(*at) for at in (("<8h", content, 40), ("<h", content, 70), ("<f", content, 108)))
+    dtype = {number: name for name, number in NIFTI_TYPES.items()}[kind]
+    shape = size[1 : 1 + size[0]]
+    matrix = np.eye(4)
+    matrix[:3] = np.reshape(struct.unpack_from("<12f", content, 280), (3, 4))
+    return np.frombuffer(content, "<" + dtype, offset=int(begin), count=int(np.prod(shape))).reshape(shape, order="F"), matrix
 
 
 def meta(array, matrix=np.eye(4), compressed=False, local="LOCAL", size=None):

@@ -10,6 +10,7 @@
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/volume/distance_transform.h"
+#include "vcg_ext/volume/slice_holes.h"
 
 namespace sphere_propagation {
 namespace {
@@ -231,19 +232,99 @@ std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance
   return sampled;
 }
 
+/// Signed distances in the slices, by slice and column of the working grid: of the shape, and, where it has holes, of
+/// these and of what it is with them.
+struct SampledStack {
+  using Samples = std::vector<std::vector<float>>;
+  Samples shape, filled, holes;
+};
+
+/// How the slices of a run go over into each other, along the columns of the working grid.
+class Column {
+ public:
+  Column(const Slices::Run& run, const SliceHoles& holes, const SampledStack& samples)
+      : used_(run.used), samples_(samples) {
+    const auto deepest = [](const std::vector<float>& distance) {
+      return *std::max_element(distance.begin(), distance.end());
+    };
+    for (const int k : used_)
+      if (holes.has(k)) holedSlices_.push_back(k);
+    for (size_t u = 0; u + 1 < used_.size(); ++u) {
+      Gap gap;
+      const int below = used_[u], above = used_[u + 1];
+      if (holes.leadThrough(below, above)) {
+        anyWall_ = true;
+        gap.kind = holes.has(below) && holes.has(above) ? Gap::Kind::Wall : Gap::Kind::Closing;
+        gap.holed = holes.has(below) ? below : above;
+        gap.closed = holes.has(below) ? above : below;
+        if (gap.kind == Gap::Kind::Closing)
+          gap.depth = deepest(samples.filled[static_cast<size_t>(gap.closed)]) +
+                      deepest(samples.holes[static_cast<size_t>(gap.holed)]);
+      }
+      gaps_.push_back(gap);
+    }
+  }
+  ~Column() = default;
+  Column(const Column&) = delete;  // its lines point to its slices
+  Column& operator=(const Column&) = delete;
+
+  void moveTo(size_t column) {
+    set(shape_, used_, samples_.shape, column);
+    if (!anyWall_) return;
+    set(filled_, used_, samples_.filled, column);
+    set(holes_, holedSlices_, samples_.holes, column);
+  }
+
+  /// x: in slices.
+  float operator()(double x) const {
+    if (!anyWall_ || x <= used_.front() || x >= used_.back()) return shape_(x);
+    const Gap& gap = gaps_[static_cast<size_t>(std::upper_bound(used_.begin(), used_.end(), x) - used_.begin()) - 1];
+    if (gap.kind == Gap::Kind::Plain) return shape_(x);
+    if (gap.kind == Gap::Kind::Wall) return std::min(filled_(x), -holes_(x));
+    // The hole tapers to a point half way, along the surface that closes it.
+    const auto t = static_cast<float>((x - gap.holed) / (gap.closed - gap.holed));
+    return std::min(filled_(x), -((1 - t) * holes_(gap.holed) + t * (filled_(gap.closed) - gap.depth)));
+  }
+
+ private:
+  struct Gap {
+    enum class Kind { Plain, Wall, Closing } kind = Kind::Plain;
+    int holed = 0, closed = 0;  // Closing: the slice with the hole, and the one that closes it
+    float depth = 0;            // of the hole and of what closes it
+  };
+
+  void set(MonotoneCubic& line, const std::vector<int>& slices, const SampledStack::Samples& samples, size_t column) {
+    values_.clear();
+    for (const int k : slices) values_.push_back(samples[static_cast<size_t>(k)][column]);
+    line.set(slices, values_);
+  }
+
+  std::vector<int> used_, holedSlices_;
+  const SampledStack& samples_;
+  std::vector<Gap> gaps_;
+  bool anyWall_ = false;
+  MonotoneCubic shape_, filled_, holes_;
+  std::vector<float> values_;
+};
+
 /// Signed distances in the slices, and smoothly from one to the next.
 void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& grid) {
-  const auto sampled = sampledSlices(signedDistance(stack.mask, stack.spacing, 2), stack, grid);
+  const auto sampled = [&](const Mask& mask) {
+    return sampledSlices(signedDistance(mask, stack.spacing, 2), stack, grid);
+  };
+  const SliceHoles holes(stack.mask);
+  SampledStack samples{sampled(stack.mask), {}, {}};
+  if (holes.any()) {
+    samples.filled = sampled(holes.filled());
+    samples.holes = sampled(holes.holes());
+  }
   std::fill(grid.values.begin(), grid.values.end(), -std::numeric_limits<float>::infinity());
   const double s = stack.spacing[2];
   const size_t plane = grid.index(0, 0, 1);
-  MonotoneCubic line;
-  std::vector<float> values;
-  for (const Slices::Run& run : slices.runs)
+  for (const Slices::Run& run : slices.runs) {
+    Column line(run, holes, samples);
     for (size_t column = 0; column < plane; ++column) {
-      values.clear();
-      for (const int k : run.used) values.push_back(sampled[static_cast<size_t>(k)][column]);
-      line.set(run.used, values);
+      line.moveTo(column);
       for (int z = 0; z < grid.size[2]; ++z) {
         const double height = grid.origin[2] + z * grid.spacing[2];
         const double toCap = std::min(height - (run.first - 0.5) * s, (run.last + 0.5) * s - height);
@@ -251,6 +332,7 @@ void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& gri
         value = std::max(value, std::min(line(height / s), static_cast<float>(toCap)));
       }
     }
+  }
 }
 
 /// Fills the empty slices between others where the shape interpolated between these is.
