@@ -114,7 +114,8 @@ class ShapeModelFilter : public host::Filter {
         "project, else in layer order. Identical shapes give a model without modes.<br><br>"
         "<b>Export file</b>, by its ending: .npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, "
         "faces "
-        "F x 3), .json (scalismo, statismo), .particles (ShapeWorks: the mean, and one file per shape beside it), .ply "
+        "F x 3), .h5 and .json (statismo, scalismo), .particles (ShapeWorks: the mean, and one file per shape beside "
+        "it), .ply "
         "(the mean, with modes as vertex properties), .csv (the scores).<br><br>"
         "Returned, entry m - 1 for m modes: <b>eigenvalues</b>: variance along mode m; <b>compactness</b>: sum of the "
         "first m eigenvalues; <b>variance_share</b>: the same as a share of all variance; <b>generalisation</b>: mean "
@@ -150,7 +151,7 @@ class ShapeModelFilter : public host::Filter {
         {"export_file", "Export file",
          "Where the model is written to; empty: nowhere. The ending chooses the format: " + modelFileEndings() + ".",
          host::Parameter::NewFile{
-             "NumPy (*.npz);;scalismo, statismo (*.json);;ShapeWorks (*.particles);;Mean and modes "
+             "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;Mean and modes "
              "(*.ply);;Table of scores (*.csv)"}},
         host::Parameter{"area_weights", "Weigh by area",
                         "Alignment: each landmark weighs the area around it on the mean shape, so that dense regions "

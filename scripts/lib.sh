@@ -349,9 +349,13 @@ make_environment() {
   ! environment_is_complete "$@" || return 0 # another process was quicker
   local name=$python_series${1:+-$1} requirements=$project_root/scripts/requirements${1:+-$1}.txt log=$cache_dir/logs/pip.log
   local dir=$cache_dir/venv-$name wheels=$cache_dir/wheelhouse-$name
-  say "Making the Python environment $dir"
-  rm -rf "$dir"
-  logged "$log" "$base_python" -m venv "$dir" || die "could not make the Python environment"
+  if "$dir/bin/python" -m pip --version >/dev/null 2>&1; then # somebody may be using it
+    say "Bringing the Python environment $dir up to date"
+  else
+    say "Making the Python environment $dir"
+    rm -rf "$dir"
+    logged "$log" "$base_python" -m venv "$dir" || die "could not make the Python environment"
+  fi
   # Wheels are kept: not every package index lets pip cache, and the next environment needs no network.
   if ! cmp -s "$wheels/requirements.txt" "$requirements"; then
     say "Downloading Python packages ($([ -n "${1-}" ] && echo "for the $1" || echo "about 330 MB"), once)"

@@ -205,8 +205,8 @@ def shape_model(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[
     points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence, shared by all; names: what errors
     and files call the shapes.
     alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose, nothing. modes: how many are kept, 0 for all.
-    export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy), .json (scalismo, statismo), .particles
-    (ShapeWorks), .ply, .csv (the scores). area_weights: whether landmarks weigh in the alignment as the area around them.
+    export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy), .h5 and .json (statismo,
+    scalismo), .particles (ShapeWorks), .ply, .csv (the scores). area_weights: whether landmarks weigh in the alignment as the area around them.
     specificity_samples, seed: of the random shapes that the specificity is measured with.
 
     Identical shapes make a model without modes.

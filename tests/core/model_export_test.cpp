@@ -55,13 +55,15 @@ class ModelExport : public testing::Test {
 TEST_F(ModelExport, TheEndingChoosesTheFormat) {
   write("a.npz");
   write("a.JSON");
+  write("a.h5");
   write("a.ply");
   write("a.csv");
   EXPECT_EQ(read(path("a.npz")), npzFile(model_));
-  EXPECT_EQ(read(path("a.JSON")), statismoFile(model_));
+  EXPECT_EQ(read(path("a.JSON")), statismoJson(model_));
+  EXPECT_EQ(read(path("a.h5")), statismoFile(model_));
   EXPECT_EQ(read(path("a.ply")), plyFile(model_));
   EXPECT_EQ(read(path("a.csv")), scoresTable(model_));
-  EXPECT_EQ(files(), 4u);
+  EXPECT_EQ(files(), 5u);
 }
 
 TEST_F(ModelExport, ParticlesAreOneFilePerShapeBesideTheMean) {
@@ -91,7 +93,7 @@ TEST_F(ModelExport, RefusesWithTheReason) {
   };
   says("model", "no ending");
   says("model.xyz", "\".xyz\" is no format");
-  says("model.xyz", ".npz, .json, .particles, .ply, .csv");
+  says("model.xyz", ".npz, .h5, .json, .particles, .ply, .csv");
   says("missing/model.npz", "no folder");
   says("folder.npz", "is a folder");
   EXPECT_EQ(files(), 1u);
@@ -106,14 +108,14 @@ TEST_F(ModelExport, KeepsTheOldFileWhenWritingFails) {
 
 TEST_F(ModelExport, DoesNotDependOnTheLocale) {
   const std::string expected =
-      particlesFile(model_.mean) + statismoFile(model_) + plyFile(model_) + scoresTable(model_);
+      particlesFile(model_.mean) + statismoJson(model_) + plyFile(model_) + scoresTable(model_);
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
     char do_thousands_sep() const override { return '.'; }
     std::string do_grouping() const override { return "\3"; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  EXPECT_EQ(particlesFile(model_.mean) + statismoFile(model_) + plyFile(model_) + scoresTable(model_), expected);
+  EXPECT_EQ(particlesFile(model_.mean) + statismoJson(model_) + plyFile(model_) + scoresTable(model_), expected);
   std::locale::global(before);
 }
 
@@ -136,7 +138,8 @@ TEST_F(ModelExport, AModelWithoutModesCanBeWritten) {
   const Points shape = set_.shapes()[0].landmarks;
   set_ = test::trainingSet({shape, shape}, test::ellipsoidFaces());
   model_ = buildShapeModel(set_);
-  for (const char* name : {"a.npz", "a.json", "a.particles", "a.ply", "a.csv"}) EXPECT_NO_THROW(write(name)) << name;
+  for (const char* name : {"a.npz", "a.h5", "a.json", "a.particles", "a.ply", "a.csv"})
+    EXPECT_NO_THROW(write(name)) << name;
 }
 
 }  // namespace

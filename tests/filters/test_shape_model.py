@@ -366,6 +366,45 @@ def test_statismo_json(exported, heart):
         assert basis.T @ (shapes[k].ravel() - mean) / np.sqrt(variance) == pytest.approx(coefficients, abs=1e-6)
 
 
+def test_statismo_hdf5(exported):
+    """By h5py: the layout, in the types that scalismo asks for, of what the JSON form holds."""
+    import h5py
+
+    path, returned, shapes = exported(".h5")
+    reference = hdf5_json(exported(".json")[0])
+    with h5py.File(path) as file:
+        found = {}
+
+        def collect(name, item):
+            found.update({f"/{name}@{key}": value.decode() for key, value in item.attrs.items()})
+            if isinstance(item, h5py.Dataset):
+                assert item.dtype == ("<i4" if name.startswith("version") or name.endswith("cells") else "<f4")
+                found[f"/{name}"] = item[()]
+
+        file.visititems(collect)
+    assert set(found) == set(reference)
+    for name, value in reference.items():
+        if isinstance(value, str):
+            assert found[name] == value
+        else:
+            assert np.shape(found[name]) == value.shape and found[name] == pytest.approx(value, rel=1e-7, abs=1e-30), name
+    mean, basis, variance = (found[f"/model/{name}"].astype(float) for name in ("mean", "pcaBasis", "pcaVariance"))
+    for k in range(10):
+        rebuilt = (mean + basis @ (np.sqrt(variance) * found["/modelinfo/scores"][:, k])).reshape(-1, 3)
+        assert np.linalg.norm(rebuilt - shapes[k]) < 1e-6 * np.linalg.norm(shapes[k])  # as far as 32 bits go
+
+
+def test_hdf5_of_a_model_without_modes(tmp_path):
+    import h5py
+
+    ms = small_model_project()
+    v, f = layers(ms)[0].vertex_matrix(), layers(ms)[0].face_matrix()
+    project_of([v, v], f).apply_filter(MODEL, export_file=str(tmp_path / "model.h5"))
+    with h5py.File(tmp_path / "model.h5") as file:
+        assert file["model/pcaBasis"][()].shape == (486, 0) and file["model/pcaVariance"][()].shape == (0,)
+        assert file["model/mean"][()].reshape(-1, 3) == pytest.approx(v, abs=1e-5)
+
+
 def test_shapeworks_particles(exported):
     path, _, shapes = exported(".particles")
     assert np.loadtxt(path) == pytest.approx(shapes.mean(0), abs=1e-6)
@@ -404,12 +443,12 @@ def test_csv(exported):
 
 
 def test_exports_say_the_same_twice(exported):
-    for ending in (".npz", ".json", ".particles", ".ply", ".csv"):
+    for ending in (".npz", ".h5", ".json", ".particles", ".ply", ".csv"):
         first = exported(ending)[0].read_bytes()
         assert exported(ending)[0].read_bytes() == first
 
 
-@pytest.mark.parametrize("ending", [".npz", ".json", ".particles", ".ply", ".csv"])
+@pytest.mark.parametrize("ending", [".npz", ".h5", ".json", ".particles", ".ply", ".csv"])
 def test_fewer_modes_in_files(ending, tmp_path):
     ms = small_model_project()
     path = tmp_path / ("model" + ending)
@@ -417,6 +456,11 @@ def test_fewer_modes_in_files(ending, tmp_path):
     if ending == ".npz":
         with np.load(path) as file:
             assert file["modes"].shape[0] == 2 and file["scores"].shape == (5, 2)
+    elif ending == ".h5":
+        import h5py
+
+        with h5py.File(path) as file:
+            assert file["model/pcaBasis"].shape[1] == 2 and file["modelinfo/scores"].shape == (2, 5)
     elif ending == ".json":
         assert hdf5_json(path)["/model/pcaBasis"].shape[1] == 2
     elif ending == ".csv":
@@ -488,7 +532,7 @@ def test_parameters_out_of_range(parameters, words):
 def test_files_that_cannot_be_written(tmp_path):
     ms = small_model_project()
     (tmp_path / "folder.npz").mkdir()
-    for name, words in [("model", ["no ending", ".npz, .json"]), ("model.xyz", ['".xyz" is no format']),
+    for name, words in [("model", ["no ending", ".npz, .h5, .json"]), ("model.xyz", ['".xyz" is no format']),
                         ("missing/model.npz", ["there is no folder", "missing"]), ("folder.npz", ["it is a folder"])]:
         with refused(ms, "cannot be written", name, *words):
             ms.apply_filter(MODEL, export_file=str(tmp_path / name))

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 5> endings = {".npz", ".json", ".particles", ".ply", ".csv"};
+constexpr std::array<const char*, 6> endings = {".npz", ".h5", ".json", ".particles", ".ply", ".csv"};
 
 std::string endingOf(const fs::path& path) {
   std::string ending = path.extension().u8string();
@@ -74,7 +74,8 @@ std::vector<std::string> exportModel(const std::string& name, const ShapeModel& 
   const fs::path path = fs::u8path(name);
   const std::string ending = endingOf(path);
   if (ending == ".npz") write(path, npzFile(model));
-  if (ending == ".json") write(path, statismoFile(model));
+  if (ending == ".h5") write(path, statismoFile(model));
+  if (ending == ".json") write(path, statismoJson(model));
   if (ending == ".ply") write(path, plyFile(model));
   if (ending == ".csv") write(path, scoresTable(model));
   std::vector<std::string> written = {name};

@@ -11,11 +11,13 @@ namespace sphere_propagation {
 /// Throws ExportError where an array takes more than the 4 GB that such a zip can hold.
 std::string npzFile(const ShapeModel& model);
 
-/// statismo 0.9 (M. Luethi et al., Statismo - a framework for PCA based statistical models, 2012) in HDF5/JSON:
-/// model/mean 3N, model/pcaBasis 3N x M (orthonormal), model/pcaVariance M, model/noiseVariance, representer/points 3 x
-/// N and cells 3 x F; modelinfo/scores M x K in standard deviations. Declared as 32-bit floats, which scalismo and
-/// statismo want, but written with all digits.
+/// statismo 0.9 (M. Luethi et al., Statismo - a framework for PCA based statistical models, 2012) as HDF5: model/mean
+/// 3N, model/pcaBasis 3N x M (orthonormal), model/pcaVariance M, model/noiseVariance, representer/points 3 x N and
+/// cells 3 x F; modelinfo/scores M x K in standard deviations. 32-bit floats, which scalismo and statismo want.
 std::string statismoFile(const ShapeModel& model);
+
+/// The same as HDF5/JSON: declared as 32-bit floats, too, but written with all digits.
+std::string statismoJson(const ShapeModel& model);
 
 /// ShapeWorks: "x y z" per line.
 std::string particlesFile(const Points& landmarks);

@@ -1,0 +1,90 @@
+// Groups and data sets stand side by side under their ids, and are linked from their groups.
+
+#include "vcg_ext/model/exact_text.h"
+#include "vcg_ext/model/hdf5_tree.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr const char* floatType = R"({"class": "H5T_FLOAT", "base": "H5T_IEEE_F32LE"})";
+constexpr const char* integerType = R"({"class": "H5T_INTEGER", "base": "H5T_STD_I32LE"})";
+constexpr const char* stringType =
+    R"({"class": "H5T_STRING", "charSet": "H5T_CSET_UTF8", "strPad": "H5T_STR_NULLTERM", "length": "H5T_VARIABLE"})";
+constexpr const char* scalarShape = R"({"class": "H5S_SCALAR"})";
+
+std::string identifier(int number) {
+  const std::string digits = std::to_string(number);
+  return "\"00000000-0000-4000-8000-" + std::string(12 - digits.size(), '0') + digits + "\"";
+}
+
+std::string shapeOf(const Hdf5Data& data) {
+  if (data.extents.empty()) return scalarShape;
+  std::string dims;
+  for (const Eigen::Index extent : data.extents) dims += (dims.empty() ? "" : ", ") + std::to_string(extent);
+  return R"({"class": "H5S_SIMPLE", "dims": [)" + dims + "]}";
+}
+
+/// Lists of lists, as the extents say; one line per innermost list.
+void writeValues(ExactText& text, const Hdf5Data& data, size_t axis, size_t& next) {
+  if (axis == data.extents.size()) {
+    text << data.values[next++];
+    return;
+  }
+  const bool innermost = axis + 1 == data.extents.size();
+  text << "[";
+  for (Eigen::Index i = 0; i < data.extents[axis]; ++i) {
+    if (i > 0) text << (innermost ? ", " : ",\n");
+    writeValues(text, data, axis + 1, next);
+  }
+  text << "]";
+}
+
+class Document {
+ public:
+  std::string text(const Hdf5Group& root) {
+    add(root, "", next_++);
+    return R"({"apiVersion": "1.1.1", "root": )" + identifier(0) + ",\n\"groups\": {\n" + groups_ +
+           "},\n\"datasets\": {\n" + data_ + "}}\n";
+  }
+
+ private:
+  static std::string link(const std::string& name, const std::string& collection, int id) {
+    return R"({"class": "H5L_TYPE_HARD", "title": ")" + name + R"(", "collection": ")" + collection + R"(", "id": )" +
+           identifier(id) + "}";
+  }
+
+  void add(const Hdf5Group& group, const std::string& path, int id) {
+    std::string attributes, links;
+    for (const auto& [name, value] : group.attributes)
+      attributes += (attributes.empty() ? "" : ", ") + (R"({"name": ")" + name + R"(", "type": )") + stringType +
+                    R"(, "shape": )" + scalarShape + R"(, "value": ")" + value + "\"}";
+    for (const Hdf5Group& inner : group.groups) {
+      links += (links.empty() ? "" : ", ") + link(inner.name, "groups", next_);
+      add(inner, path + "/" + inner.name, next_++);
+    }
+    for (const Hdf5Data& data : group.data) {
+      links += (links.empty() ? "" : ", ") + link(data.name, "datasets", next_);
+      addData(data, path + "/" + data.name, next_++);
+    }
+    groups_ += (groups_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + (path.empty() ? "/" : path) +
+               R"("], "attributes": [)" + attributes + R"(], "links": [)" + links + "]}";
+  }
+
+  void addData(const Hdf5Data& data, const std::string& path, int id) {
+    ExactText values;
+    size_t next = 0;
+    writeValues(values, data, 0, next);
+    data_ += (data_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + path + R"("], "type": )" +
+             (data.integers ? integerType : floatType) + R"(, "shape": )" + shapeOf(data) + R"(, "value": )" +
+             values.str() + "}";
+  }
+
+  std::string groups_, data_;
+  int next_ = 0;
+};
+
+}  // namespace
+
+std::string hdf5Json(const Hdf5Group& root) { return Document().text(root); }
+
+}  // namespace sphere_propagation
