@@ -16,6 +16,7 @@ from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
 from .filters import (LabelSurfaces, Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate,
                       read_label_volume, remesh, shape_model)
 from .model import ShapeModel
+from .nifti import write_nifti
 from .phantom import Ventricle
 from .projects import write_layers
 from .sphere_map import SphereMap
@@ -25,7 +26,7 @@ from .version import version as _version
 __all__ = ["Correspondence", "FileError", "FilterError", "InputError", "LabelSurfaces", "Landmarks", "PluginError", "Propagation",
            "ShapeModel", "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate",
            "make_phantom", "map_colors", "mesh_files", "parameterise_root", "propagate", "read_label_volume", "read_map", "read_mesh",
-           "read_meshes", "remesh", "shape_model", "write_layers", "write_ply"]
+           "read_meshes", "remesh", "shape_model", "write_layers", "write_nifti", "write_ply"]
 __version__ = _version()
 
 _plugin.register()

@@ -7,6 +7,7 @@ scripts/check-gui builds what this needs and names it:
 """
 import os
 import shutil
+import sys
 import tempfile
 import time
 import xml.etree.ElementTree as xml
@@ -31,6 +32,7 @@ FILTERS = {  # menu entry -> menus that show it
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
 }
 ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:]
+IMPORT = "Import label volume as layers"
 PHASES = [f"ventricle {i}" for i in range(5)]
 
 
@@ -46,7 +48,8 @@ def start(tmp_path):
         home = tmp_path / "home"
         folder = home / "data/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07"
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copy(os.environ["GUI_PLUGIN"], folder)
+        for plugin in Path(os.environ["GUI_PLUGIN"]).parent.glob("libfilter_*.so"):
+            shutil.copy(plugin, folder)
         return MeshLab(os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES)
     return started
 
@@ -157,6 +160,41 @@ def test_the_shape_model(start, sample):
         gui.fill_screen()
         gui.choose_layer(made[-1])
         show(gui, "12-model")
+
+
+@pytest.mark.skipif(not (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists(),
+                    reason="built without the volume plugin")
+def test_from_a_label_volume_to_a_model(start):
+    """The phantom's scan: labels in, model out, by clicks alone."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "python"))  # here: it finds the plugin loaded
+    from sphere_propagation.nifti import write_nifti
+    from sphere_propagation.phantom import Ventricle
+
+    with tempfile.TemporaryDirectory(prefix="scan-") as folder:
+        scan, model = Path(folder) / "scan.nii.gz", Path(folder) / "model.npz"
+        labels_of_the_phantom, affine = Ventricle(phases=10).scan()
+        write_nifti(scan, labels_of_the_phantom, affine)
+        with start() as gui:
+            gui.fill_screen()
+            gui.open_filter(IMPORT)
+            gui.set("File", str(scan))
+            gui.picture("13-import-dialog")
+            gui.apply(IMPORT, File=str(scan))
+            surfaces = [f"scan label 1 phase {phase:02d}" for phase in range(10)]
+            assert labels(gui) == surfaces
+            gui.close_dialog()
+            gui.trigger("Front (Z is up)")  # z is superior
+            time.sleep(1)
+            gui.picture("14-imported")
+            gui.choose_layer(gui.layers()[0])
+            gui.apply(ROOT)
+            gui.apply(PROPAGATE, Order="Cyclic time")
+            gui.apply(REMESH)
+            assert "mode 1: standard deviation" in gui.apply(MODEL, Modes_shown="1", Export_file=str(model))
+            assert labels(gui)[10:20] == [name + " landmarks" for name in surfaces]
+            assert labels(gui)[20:] == ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd"]
+        with np.load(model) as written:
+            assert written["scores"].shape == (10, 9) and written["mean"].shape == (1002, 3)
 
 
 def test_the_finished_sample_opens(start, sample):
