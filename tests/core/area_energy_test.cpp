@@ -208,7 +208,9 @@ TEST(FaceTargets, ShareTheSphereByArea) {
   for (const FaceTarget& target : targets) sum += target.area;
   EXPECT_NEAR(sum, 4 * pi, 1e-12);
   for (size_t f = 0; f < targets.size(); ++f) {
-    EXPECT_NEAR(targets[f].weight, std::sqrt(targets[f].area * 4 * pi / static_cast<double>(targets.size())), 1e-15);
+    const double mean = 4 * pi / static_cast<double>(targets.size());
+    EXPECT_NEAR(targets[f].weight, std::sqrt(targets[f].area * mean), 1e-15);
+    EXPECT_FLOAT_EQ(targets[f].shapeWeight, static_cast<float>(mean));
     EXPECT_NEAR(larger[f].area / targets[f].area, 1, 1e-12);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(larger[f].stiffness[k], targets[f].stiffness[k], 1e-5);
   }

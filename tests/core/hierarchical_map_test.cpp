@@ -96,11 +96,8 @@ TEST(LocalStep, LowersTheEnergyAndStaysInside) {
     for (int j = 0; j < sides; ++j) {
       const double angle = 2 * pi * (j + random.uniform(0, 0.5)) / sides, radius = random.uniform(0.3, 0.6);
       star.rim.push_back(Vector3(radius * std::cos(angle), radius * std::sin(angle), 1).normalized());
-      FaceTarget target;
-      target.area = random.uniform(0.01, 0.2);
-      target.weight = random.uniform(0.5, 1.5);
-      target.stiffness = {0.5F, 0.5F, 0.5F};
-      star.targets.push_back(target);
+      star.targets.emplace_back(random.uniform(0.01, 0.2), random.uniform(0.5, 5),
+                                std::array<float, 3>{0.5F, 0.5F, 0.5F});
     }
     const AreaEnergyWeights weights{1, 0.05};
     const auto energy = [&](const Vector3& x) {

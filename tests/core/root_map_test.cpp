@@ -163,7 +163,8 @@ TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
                                                        {"bare limbs", tetrapod(80)},
                                                        {"tree", tree(2, 4, 1)},
                                                        {"disc", disc(16)},
-                                                       {"coil", coil(2, 12, 80)}}) {
+                                                       {"coil", coil(2, 12, 80)},
+                                                       {"thin coil", coil(2, 8, 60)}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     const RootMapResult result = makeRootMap(surface);  // valid by type
     EXPECT_EQ(result.note, "") << named.name;

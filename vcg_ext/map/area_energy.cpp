@@ -35,12 +35,9 @@ std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& fac
   const double extent = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
   std::vector<FaceTarget> targets(static_cast<size_t>(faces.rows()));
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    FaceTarget& target = targets[static_cast<size_t>(f)];
-    target.area = areas[f];
-    target.weight = std::sqrt(areas[f] * mean);
     std::array<Vector3, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = vertices.row(faces(f, k)).transpose() / extent;
-    target.stiffness = faceStiffness(p, trust);
+    targets[static_cast<size_t>(f)] = {areas[f], mean, faceStiffness(p, trust)};
   }
   return targets;
 }

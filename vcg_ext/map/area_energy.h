@@ -1,14 +1,16 @@
 #pragma once
 /// The energy whose minimum is the area-preserving map: log area ratio plus a shape term.
 ///
-///   E = sum_f w_f ( A ln^2(s_f / a_f) + B q_f ),      w_f = sqrt(a_f mean a)
+///   E = sum_f  A w_f ln^2(s_f / a_f) + B a q_f,      w_f = sqrt(a_f a)
 ///
-/// s_f: solid angle of face f on the sphere; a_f: its target, the face's area on the mesh scaled to the sphere's 4 pi.
+/// s_f: solid angle of face f on the sphere; a_f: its target, the face's area on the mesh scaled to the sphere's 4 pi;
+/// a: the mean of all a_f.
 /// q_f = D_f / (2 s_f), D_f the Dirichlet energy of the map of face f with the cotangents of the mesh's triangle: the
 /// quotient that is 1 for a conformal map and larger otherwise (K. Hormann and G. Greiner, MIPS, 2000). It tends to
 /// infinity where a face degenerates, which keeps faces in shape while areas travel.
 /// The logarithm counts a face twice too large as much as one half as large (J. Schmidt et al. use it likewise,
-/// Surface maps via adaptive triangulations, 2023). The square root in w_f keeps small faces from being sacrificed.
+/// Surface maps via adaptive triangulations, 2023). The square root in w_f keeps small faces from being sacrificed; the
+/// shape of one face counts as much as that of another, as it does in the mean angle error.
 
 #include <Eigen/Core>
 #include <array>
@@ -26,6 +28,12 @@ struct FaceTarget {
   double area = 0;                   ///< a_f, steradian
   double weight = 0;                 ///< w_f
   std::array<float, 3> stiffness{};  ///< D_f = 1/2 sum_k stiffness[k] |edge opposite corner k|^2
+  float shapeWeight = 0;             ///< a
+
+  FaceTarget() = default;
+  /// mean: of the areas of all faces.
+  FaceTarget(double area, double mean, const std::array<float, 3>& stiffness)
+      : area(area), weight(std::sqrt(area * mean)), stiffness(stiffness), shapeWeight(static_cast<float>(mean)) {}
 };
 
 /// Weights of the two terms.
@@ -62,7 +70,8 @@ inline double faceEnergy(const FaceTarget& target, const AreaEnergyWeights& weig
                          const std::array<Vector3, 3>& p) {
   if (!(s > 0)) return std::numeric_limits<double>::infinity();
   const double r = std::log(s / target.area);
-  return target.weight * (weights.area * r * r + weights.shape * dirichletEnergy(target, p) / (2 * s));
+  return target.weight * weights.area * r * r +
+         static_cast<double>(target.shapeWeight) * weights.shape * dirichletEnergy(target, p) / (2 * s);
 }
 
 /// The energy of one face to second order, in the tangent frames of its corners, kept in factors.
@@ -73,7 +82,7 @@ struct FaceExpansion {
   std::array<Tangent, 3> quotient;  ///< d_k: gradient of D_f, divided by 2 s_f
   double slope = 0;                 ///< of the energy in ln s_f
   double curvature = 0;             ///< of the energy in ln s_f
-  double shapeWeight = 0;           ///< w_f B
+  double shapeWeight = 0;           ///< a B
   std::array<double, 3> tie{};      ///< of the edge opposite corner k: what stiffness adds to the blocks
 
   Tangent gradient(int k) const { return slope * logArea[k] + shapeWeight * quotient[k]; }
@@ -107,8 +116,9 @@ inline FaceExpansion expandFaceEnergy(const FaceTarget& target, const AreaEnergy
     e.quotient[k] = 0.5 * inverse * Tangent(d.dot(frame[k][0]), d.dot(frame[k][1]));
   }
   const double r = std::log(s / target.area), q = dirichletEnergy(target, p) / (2 * s);
-  const double wa = target.weight * weights.area, wq = e.shapeWeight = target.weight * weights.shape;
-  e.energy = target.weight * (weights.area * r * r + weights.shape * q);
+  const double wa = target.weight * weights.area,
+               wq = e.shapeWeight = static_cast<double>(target.shapeWeight) * weights.shape;
+  e.energy = wa * r * r + wq * q;
   // D(x) / s: with K the stiffness, K/s - (Kx g^T + g (Kx)^T)/s^2 + 2 D g g^T / s^3, here all over 2.
   e.slope = 2 * wa * r - wq * q;
   e.curvature = 2 * wa + 2 * wq * q;

@@ -32,10 +32,7 @@ std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Point
     sum += targets[f].area;
   }
   const double mean = 4 * pi / static_cast<double>(targets.size());
-  for (FaceTarget& target : targets) {
-    target.area *= 4 * pi / sum;
-    target.weight = std::sqrt(target.area * mean);
-  }
+  for (FaceTarget& target : targets) target = {target.area * 4 * pi / sum, mean, target.stiffness};
   return targets;
 }
 

@@ -87,12 +87,9 @@ class Refinement {
     do {
       const int w = mesh_->target(h), next = mesh_->turned(h);
       star.rim.emplace_back(positions_.row(w).transpose());
-      FaceTarget target;
-      target.area = 4 * pi * mesh_->area(h) / totalArea_;
-      target.weight = std::sqrt(target.area * mean);
-      target.stiffness =
-          faceStiffness({mesh_->point(v), mesh_->point(w), mesh_->point(mesh_->target(next))}, coarseTrust);
-      star.targets.push_back(target);
+      star.targets.emplace_back(
+          4 * pi * mesh_->area(h) / totalArea_, mean,
+          faceStiffness({mesh_->point(v), mesh_->point(w), mesh_->point(mesh_->target(next))}, coarseTrust));
       h = next;
     } while (h != first);
   }
@@ -111,7 +108,10 @@ class Refinement {
       }
       placeAll(back, lost);
       const auto found = std::find(lost.begin(), lost.end(), 1);
-      if (found == lost.end()) return;
+      if (found == lost.end()) {
+        if (attempt > 1) improve(weightsAt(mesh_->vertexCount()), 30);
+        return;
+      }
       if (attempt == attempts) {
         const int first = order_[back[static_cast<size_t>(found - lost.begin())]];
         throw MapError(
@@ -119,7 +119,7 @@ class Refinement {
             "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " + std::to_string(first) + ".");
       }
       // Some kernel is empty up to rounding: the faces there are slivers. Without these vertices again, faces get
-      // better shapes at the cost of their areas.
+      // better shapes at the cost of their areas, which come home afterwards.
       for (auto h = halfEdges.rbegin(); h != halfEdges.rend(); ++h) mesh_->collapse(*h);
       improve({1, std::pow(10.0, attempt - 1)}, 30);
     }
@@ -168,11 +168,10 @@ class Refinement {
     pool_.forRanges(static_cast<int>(targets.size()), [&](int begin, int end) {
       for (int f = begin; f < end; ++f) {
         const int h = 3 * faceOf[f];
-        targets[f].area = 4 * pi * mesh_->area(h) / totalArea_;
-        targets[f].weight = std::sqrt(targets[f].area * mean);
-        targets[f].stiffness = faceStiffness(
-            {mesh_->point(mesh_->origin(h)), mesh_->point(mesh_->origin(h + 1)), mesh_->point(mesh_->origin(h + 2))},
-            coarseTrust);
+        targets[f] = {4 * pi * mesh_->area(h) / totalArea_, mean,
+                      faceStiffness({mesh_->point(mesh_->origin(h)), mesh_->point(mesh_->origin(h + 1)),
+                                     mesh_->point(mesh_->origin(h + 2))},
+                                    coarseTrust)};
       }
     });
     AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
@@ -200,12 +199,34 @@ class Refinement {
     std::vector<int> vertices, faceOf;
     FaceRings rings = mesh_->rings(vertices, faceOf);
     std::vector<FaceTarget> targets = faceTargets(mesh_->points(), rings.faces);
-    const double shape = 0.5 * weightsAt(mesh_->allVertices()).shape;
+    // Of large meshes more would cost much and be seen in the figures alone.
+    const bool isLarge = mesh_->allVertices() > 100000;
+    const AreaSchedule schedule{0.5 * weightsAt(mesh_->allVertices()).shape, 0.96, isLarge ? 0.985 : 0.998,
+                                isLarge ? 60 : 100};
     mesh_.reset();
     AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
-    result_.steps = minimiseInStages(minimiser, final_, positions_, progress, shape);
+    result_.steps = minimiseInStages(minimiser, final_, positions_, part(progress, 0, 0.7), schedule);
+    bringHome(minimiser, part(progress, 0.7, 1));
     ++result_.levels;
     turnToSurface();
+  }
+
+  /// Where limbs are long, a few faces that span far too much may hold up the rest: then as from any other start.
+  void bringHome(AreaMinimiser& minimiser, const Progress& progress) {
+    constexpr int rounds = 3;
+    const double whole = 4 * pi;
+    for (int i = 0; i < rounds && final_.area > 0; ++i) {
+      // Mean squared logarithm of the area ratio; shapes that count as much as areas keep these from home, too.
+      if (minimiser.energy({1, 0}, positions_) < whole * std::max(1e-3, final_.shape)) return;
+      Points moved = positions_;
+      const int steps = minimiseInStages(minimiser, final_, moved,
+                                         part(progress, static_cast<double>(i) / rounds, (i + 1.0) / rounds));
+      const double before = minimiser.energy(final_, positions_), after = minimiser.energy(final_, moved);
+      if (after >= before) return;
+      positions_.swap(moved);
+      result_.steps += steps;
+      if (after > 0.8 * before) return;
+    }
   }
 
   /// Back in the surface's order, and turned as the surface is.
