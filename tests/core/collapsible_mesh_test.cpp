@@ -17,7 +17,7 @@ namespace {
 CollapsibleMesh collapsible(const Mesh& mesh) {
   std::vector<int> order(static_cast<size_t>(mesh.vertices.rows()));
   std::iota(order.begin(), order.end(), 0);
-  return {ClosedSurface(mesh.vertices, mesh.faces), mesh.vertices, order};
+  return {ClosedSurface(mesh.vertices, mesh.faces), order};
 }
 
 /// The faces with their areas, each from its least vertex, sorted: the same for the same mesh.
@@ -127,7 +127,7 @@ TEST(CollapsibleMesh, RingsAreThoseOfTheSurface) {
   std::vector<int> order = spatialOrder(mesh.vertices), sorted = order, vertices, faceOf;
   std::sort(sorted.begin(), sorted.end());
   for (int i = 0; i < surface.vertexCount(); ++i) ASSERT_EQ(sorted[i], i);
-  const FaceRings rings = CollapsibleMesh(surface, mesh.vertices, order).rings(vertices, faceOf);
+  const FaceRings rings = CollapsibleMesh(surface, order).rings(vertices, faceOf);
   for (int i = 0; i < surface.vertexCount(); ++i) {
     const IndexRange expected = surface.ring(order[i]);
     ASSERT_EQ(rings.offset[i + 1] - rings.offset[i], expected.size());
@@ -177,7 +177,7 @@ TEST(Simplification, KeepsTheEndsOfLimbs) {
     outward.normalize();
     double farthest = 0;
     for (int v = 0; v < collapsing.allVertices(); ++v)
-      if (collapsing.isThere(v)) farthest = std::max(farthest, outward.dot(collapsing.point(v)));
+      if (collapsing.isThere(v)) farthest = std::max(farthest, mesh.vertices.row(v).dot(outward));
     EXPECT_GT(farthest, 0.8 * reach) << "limb " << f;
   }
 }

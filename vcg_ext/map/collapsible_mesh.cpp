@@ -7,9 +7,12 @@
 
 namespace sphere_propagation {
 
-CollapsibleMesh::CollapsibleMesh(const ClosedSurface& surface, Points points, const std::vector<int>& order)
-    : points_(std::move(points)), vertexCount_(surface.vertexCount()) {
+CollapsibleMesh::CollapsibleMesh(const ClosedSurface& surface, const std::vector<int>& order)
+    : points_(surface.vertexCount(), 3), vertexCount_(surface.vertexCount()) {
   const int n = vertexCount_, m = surface.faceCount();
+  const Vector3 low = surface.vertices().colwise().minCoeff(), high = surface.vertices().colwise().maxCoeff();
+  const double extent = (high - low).maxCoeff();
+  for (int i = 0; i < n; ++i) points_.row(i) = ((surface.vertex(order[i]) - low) / extent).transpose();
   std::vector<int> rank(order.size());
   for (int i = 0; i < n; ++i) rank[order[i]] = i;
   // Faces by their first vertex, each beginning with it.
@@ -155,6 +158,13 @@ int CollapsibleMesh::undo() {
   ++degree_[right];
   ++vertexCount_;
   return u;
+}
+
+std::array<int, 4> CollapsibleMesh::tetrahedron() const {
+  int first = 0;
+  while (!isThere(first)) ++first;
+  const int h = someHalfEdge(first), g = turned(h);
+  return {first, target(h), target(g), target(turned(g))};
 }
 
 FaceRings CollapsibleMesh::rings(std::vector<int>& vertices, std::vector<int>& faceOf) const {

@@ -7,6 +7,7 @@
 /// four vertices every vertex has such a neighbour: the edges among the neighbours of u that do not belong to its ring
 /// can be drawn outside the ring without crossing, so some neighbour has none.
 
+#include <array>
 #include <vector>
 
 #include "vcg_ext/base/matrices.h"
@@ -16,10 +17,10 @@ namespace sphere_propagation {
 
 class CollapsibleMesh {
  public:
-  /// The connectivity of `surface` with its vertices in another order: vertex i here is order[i] there, a permutation;
-  /// points.row(i) is where it is, at any scale where squares of areas are numbers. A face stands for its area at
-  /// first, or for 1e-5 of the mean where it is smaller. The numbering of `surface` is forgotten.
-  CollapsibleMesh(const ClosedSurface& surface, Points points, const std::vector<int>& order);
+  /// `surface` with its vertices in another order: vertex i here is order[i] there, a permutation. Points are in units
+  /// of the extent, where squares of areas are numbers. A face stands for its area at first, or for 1e-5 of the mean
+  /// where it is smaller. The numbering of `surface` is forgotten.
+  CollapsibleMesh(const ClosedSurface& surface, const std::vector<int>& order);
 
   int vertexCount() const { return vertexCount_; }  ///< of those that are there
   int allVertices() const { return static_cast<int>(some_.size()); }
@@ -50,6 +51,9 @@ class CollapsibleMesh {
 
   /// The half-edge of the collapse that undo() would take back.
   int lastCollapse() const { return collapses_.back(); }
+
+  /// The four vertices that are left: the second to the fourth run counter-clockwise round the first.
+  std::array<int, 4> tetrahedron() const;
 
   /// What is there now, its vertices renumbered in their order (`vertices`: their numbers here) and the faces ordered
   /// by their first vertex; `faceOf`: the number here of each face.

@@ -32,15 +32,9 @@ class Refinement {
  public:
   Refinement(const ClosedSurface& surface, const AreaEnergyWeights& weights, ThreadPool& pool)
       : surface_(surface), final_(weights), pool_(pool), order_(spatialOrder(surface.vertices())) {
-    const int n = surface.vertexCount();
-    Points points(n, 3);
-    // Areas of squares of coordinates shall be numbers: in units of the extent.
-    const Vector3 low = surface.vertices().colwise().minCoeff(), high = surface.vertices().colwise().maxCoeff();
-    const double extent = (high - low).maxCoeff();
-    for (int i = 0; i < n; ++i) points.row(i) = ((surface.vertex(order_[i]) - low) / extent).transpose();
-    mesh_.emplace(surface, std::move(points), order_);
+    mesh_.emplace(surface, order_);
     for (int f = 0; f < surface.faceCount(); ++f) totalArea_ += mesh_->area(3 * f);
-    positions_.resize(n, 3);
+    positions_.resize(surface.vertexCount(), 3);
   }
 
   HierarchicalResult run(const Progress& progress) {
@@ -68,14 +62,9 @@ class Refinement {
   }
 
   void layTetrahedron() {
-    int first = 0;
-    while (!mesh_->isThere(first)) ++first;
-    const int h = mesh_->someHalfEdge(first), g = mesh_->turned(h);
-    const double c = 1 / std::sqrt(3.0);
-    positions_.row(first) << c, c, c;
-    positions_.row(mesh_->target(h)) << -c, -c, c;
-    positions_.row(mesh_->target(g)) << c, -c, -c;
-    positions_.row(mesh_->target(mesh_->turned(g))) << -c, c, -c;
+    const std::array<int, 4> corners = mesh_->tetrahedron();
+    const Eigen::Matrix<double, 4, 3> regular = regularTetrahedron();
+    for (int i = 0; i < 4; ++i) positions_.row(corners[i]) = regular.row(i);
   }
 
   void gather(int v, VertexStar& star) const {
@@ -113,10 +102,10 @@ class Refinement {
         return;
       }
       if (attempt == attempts) {
-        const int first = order_[back[static_cast<size_t>(found - lost.begin())]];
+        const int v = order_[back[static_cast<size_t>(found - lost.begin())]];
         throw MapError(
-            std::count(lost.begin(), lost.end(), 1), first,
-            "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " + std::to_string(first) + ".");
+            std::count(lost.begin(), lost.end(), 1), surface_.outgoing(v)[0] / 3,
+            "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " + std::to_string(v) + ".");
       }
       // Some kernel is empty up to rounding: the faces there are slivers. Without these vertices again, faces get
       // better shapes at the cost of their areas, which come home afterwards.

@@ -10,16 +10,6 @@
 namespace sphere_propagation {
 namespace {
 
-bool seesAll(const std::vector<Vector3>& rim, const Vector3& x, double leastAngle) {
-  for (size_t i = 0; i < rim.size(); ++i) {
-    const Vector3 &b = rim[i], &c = rim[i + 1 == rim.size() ? 0 : i + 1];
-    if (x.dot(b) < Admissible::leastCosine) return false;
-    const double s = solidAngle(x, b, c);
-    if (!(s >= leastAngle && s <= Admissible::largestSolidAngle)) return false;
-  }
-  return true;
-}
-
 using Polygon = std::vector<Vector2>;
 
 /// Cuts off what has a + n.p < 0.
@@ -73,12 +63,24 @@ bool placeNear(const std::vector<Vector3>& rim, const Vector3& near, double leas
     Vector2 centre;
     if (polygon.size() < 3 || !centroid(polygon, centre)) continue;
     x = (near + centre[0] * t1 + centre[1] * t2).normalized();
-    if (seesAll(rim, x, leastAngle)) return true;
+    if (leastSolidAngle(rim, x) >= leastAngle) return true;
   }
   return false;
 }
 
 }  // namespace
+
+double leastSolidAngle(const std::vector<Vector3>& rim, const Vector3& x) {
+  double least = Admissible::largestSolidAngle;
+  for (size_t i = 0; i < rim.size(); ++i) {
+    const Vector3 &b = rim[i], &c = rim[i + 1 == rim.size() ? 0 : i + 1];
+    if (x.dot(b) < Admissible::leastCosine) return -1;
+    const double s = solidAngle(x, b, c);
+    if (!(s > 0 && s <= Admissible::largestSolidAngle)) return -1;
+    least = std::min(least, s);
+  }
+  return least;
+}
 
 bool placeInKernel(const std::vector<Vector3>& rim, const Vector3& near, double leastAngle, Vector3& x) {
   if (placeNear(rim, near, leastAngle, x)) return true;

@@ -16,4 +16,8 @@ namespace sphere_propagation {
 /// `leastAngle`; returns false when none does: the kernel is empty up to rounding.
 bool placeInKernel(const std::vector<Vector3>& rim, const Vector3& near, double leastAngle, Vector3& x);
 
+/// The least solid angle of the faces between x and the sides of the rim; -1 where one is not admissible
+/// (area_minimiser.h).
+double leastSolidAngle(const std::vector<Vector3>& rim, const Vector3& x);
+
 }  // namespace sphere_propagation

@@ -1,6 +1,7 @@
 #include "vcg_ext/map/nearby_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ class Refinement {
   Refinement(const ClosedSurface& surface, const Points& targets)
       : surface_(surface),
         order_(spatialOrder(surface.vertices())),
-        mesh_(surface, inOrder(surface), order_),
+        mesh_(surface, order_),
         targets_(surface.vertexCount(), 3),
         positions_(surface.vertexCount(), 3) {
     for (size_t i = 0; i < order_.size(); ++i) targets_.row(static_cast<Eigen::Index>(i)) = targets.row(order_[i]);
@@ -52,46 +53,28 @@ class Refinement {
   }
 
  private:
-  /// Simplification takes squares of areas: in units of the extent they are numbers.
-  Points inOrder(const ClosedSurface& surface) const {
-    const Vector3 low = surface.vertices().colwise().minCoeff(), high = surface.vertices().colwise().maxCoeff();
-    Points points(surface.vertexCount(), 3);
-    for (size_t i = 0; i < order_.size(); ++i)
-      points.row(static_cast<Eigen::Index>(i)) =
-          ((surface.vertex(order_[i]) - low) / (high - low).maxCoeff()).transpose();
-    return points;
-  }
-
   Vector3 target(int v) const { return targets_.row(v).transpose(); }
   Vector3 position(int v) const { return positions_.row(v).transpose(); }
   bool asksForAPlace(int v) const { return std::fabs(targets_.row(v).squaredNorm() - 1) < 1e-6; }
 
   void layTetrahedron() {
-    std::vector<int> vertices;
-    for (int v = 0; v < mesh_.allVertices(); ++v)
-      if (mesh_.isThere(v)) vertices.push_back(v);
-    const int first = vertices.front(), h = mesh_.someHalfEdge(first), g = mesh_.turned(h);
-    const std::vector<int> corners = {first, mesh_.target(h), mesh_.target(g), mesh_.target(mesh_.turned(g))};
-    const double c = 1 / std::sqrt(3.0);
-    Eigen::Matrix<double, 4, 3> regular;
-    regular << c, c, c, -c, -c, c, c, -c, -c, -c, c, -c;
+    const std::array<int, 4> corners = mesh_.tetrahedron();
+    bool good = true;
+    for (int v : corners) {
+      positions_.row(v) = targets_.row(v);
+      good = good && asksForAPlace(v);
+    }
+    for (size_t i = 0; good && i < corners.size(); ++i) {
+      gather(corners[i]);
+      good = fits(position(corners[i]), Admissible::leastSolidAngle);
+    }
+    if (good) return;
+    const Eigen::Matrix<double, 4, 3> regular = regularTetrahedron();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (int i = 0; i < 4; ++i)
-      if (asksForAPlace(corners[static_cast<size_t>(i)]))
-        covariance += target(corners[static_cast<size_t>(i)]) * regular.row(i);
+      if (asksForAPlace(corners[i])) covariance += target(corners[i]) * regular.row(i);
     const Eigen::Matrix3d rotation = bestRotation(covariance);
-    for (int i = 0; i < 4; ++i) positions_.row(corners[static_cast<size_t>(i)]) = regular.row(i) * rotation.transpose();
-    bool good = true;
-    for (int v : vertices) good = good && asksForAPlace(v);
-    for (int v : vertices) {
-      gather(v);
-      for (Vector3& p : rim_) p = Vector3::Zero();
-      size_t i = 0;
-      forRing(v, [&](int w) { rim_[i++] = target(w); });
-      good = good && fits(target(v), Admissible::leastSolidAngle);
-    }
-    if (good)
-      for (int v : vertices) positions_.row(v) = targets_.row(v);
+    for (int i = 0; i < 4; ++i) positions_.row(corners[i]) = regular.row(i) * rotation.transpose();
   }
 
   template <class Function>
@@ -109,24 +92,13 @@ class Refinement {
     forRing(v, [&](int w) { rim_.push_back(position(w)); });
   }
 
-  /// The least solid angle of the faces round x in the ring gathered; negative when one is not admissible.
-  double leastAngle(const Vector3& x) const {
-    double least = Admissible::largestSolidAngle;
-    for (size_t i = 0; i < rim_.size(); ++i) {
-      const Vector3 &b = rim_[i], &c = rim_[i + 1 == rim_.size() ? 0 : i + 1];
-      if (x.dot(b) < Admissible::leastCosine) return -1;
-      const double s = solidAngle(x, b, c);
-      if (!(s <= Admissible::largestSolidAngle)) return -1;
-      least = std::min(least, s);
-    }
-    return least;
-  }
-  bool fits(const Vector3& x, double least) const { return leastAngle(x) >= least; }
+  bool fits(const Vector3& x, double least) const { return leastSolidAngle(rim_, x) >= least; }
 
   /// To its position if it fits there, else towards `goal` as far as there is room. From a place that is good.
   Vector3 moved(const Vector3& from, const Vector3& goal) const {
     const double mean = 4 * pi / (2 * mesh_.vertexCount() - 4);
-    const double least = std::max(std::min(roomOnTheWay * mean, leastAngle(from)), Admissible::leastSolidAngle);
+    const double least =
+        std::max(std::min(roomOnTheWay * mean, leastSolidAngle(rim_, from)), Admissible::leastSolidAngle);
     for (double share = 1; share > 0.1; share /= 2) {
       const Vector3 x = (from + share * (goal - from)).normalized();
       if (x.allFinite() && fits(x, least)) return x;

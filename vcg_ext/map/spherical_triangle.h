@@ -37,6 +37,13 @@ inline double solidAngle(const std::array<Vector3, 3>& p, std::array<Vector3, 3>
   return twiceAngle(n, d);
 }
 
+/// The corners of a regular tetrahedron on the sphere; the second to the fourth run counter-clockwise round the first.
+inline Eigen::Matrix<double, 4, 3> regularTetrahedron() {
+  Eigen::Matrix<double, 4, 3> corners;
+  corners << 1, 1, 1, -1, -1, 1, 1, -1, -1, -1, 1, -1;
+  return corners / std::sqrt(3.0);
+}
+
 /// Right-handed orthonormal frame (t1, t2, x) at the unit vector x, without branches on its direction
 /// (T. Duff et al., Building an orthonormal basis, revisited, 2017).
 inline void tangentFrame(const Vector3& x, Vector3& t1, Vector3& t2) {
