@@ -164,7 +164,7 @@ TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
                                                        {"tree", tree(2, 4, 1)},
                                                        {"disc", disc(16)},
                                                        {"coil", coil(2, 12, 80)},
-                                                       {"thin coil", coil(2, 8, 60)}}) {
+                                                       {"branches on branches", tree(4, 3, 1)}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     const RootMapResult result = makeRootMap(surface);  // valid by type
     EXPECT_EQ(result.note, "") << named.name;

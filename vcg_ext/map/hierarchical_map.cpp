@@ -206,7 +206,8 @@ class Refinement {
     const double whole = 4 * pi;
     for (int i = 0; i < rounds && final_.area > 0; ++i) {
       // Mean squared logarithm of the area ratio; shapes that count as much as areas keep these from home, too.
-      if (minimiser.energy({1, 0}, positions_) < whole * std::max(1e-3, final_.shape)) return;
+      const double good = i == 0 ? 1e-3 : 5e-3;  // once more only where much is left: it costs ten times the rest
+      if (minimiser.energy({1, 0}, positions_) < whole * std::max(good, final_.shape)) return;
       Points moved = positions_;
       const int steps = minimiseInStages(minimiser, final_, moved,
                                          part(progress, static_cast<double>(i) / rounds, (i + 1.0) / rounds));
