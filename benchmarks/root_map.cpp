@@ -12,6 +12,7 @@
 //   --measure         the file already has a map: measure that one
 //   --progress        print how far it says it is, and the CPU seconds until then
 //   --make FILE       write the mesh without a map and do no more
+//   --level N FILE    write the level of the hierarchy with N vertices, with a map of its own, and do no more
 
 #include <sys/resource.h>
 
@@ -25,8 +26,11 @@
 #include "benchmarks/timing.h"
 #include "tests/core/limb_meshes.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/map/collapsible_mesh.h"
 #include "vcg_ext/map/map_measures.h"
 #include "vcg_ext/map/root_map.h"
+#include "vcg_ext/map/simplification.h"
+#include "vcg_ext/map/spatial_order.h"
 
 namespace sphere_propagation::benchmark {
 namespace {
@@ -54,12 +58,32 @@ struct Options {
   RootMapParameters parameters;
   int repeat = 1;
   bool unit = true, measure = false, progress = false;
-  std::string save, make;
+  std::string save, make, level;
+  int levelVertices = 0;
 };
+
+/// What the hierarchy keeps of a mesh, mapped.
+PlyMesh levelOf(const PlyMesh& mesh, const std::string& name, const Options& options) {
+  const ClosedSurface surface(mesh.vertices, mesh.faces, name);
+  const std::vector<int> order = spatialOrder(surface.vertices());
+  CollapsibleMesh level(surface, order);
+  ThreadPool pool;
+  simplify(level, pool);
+  while (level.vertexCount() < std::min(options.levelVertices, level.allVertices())) level.undo();
+  PlyMesh result;
+  std::vector<int> vertices, faceOf;
+  result.faces = level.rings(vertices, faceOf).faces;
+  result.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (size_t i = 0; i < vertices.size(); ++i)
+    result.vertices.row(static_cast<Eigen::Index>(i)) = surface.vertices().row(order[vertices[i]]);
+  result.map = makeRootMap(ClosedSurface(result.vertices, result.faces, name), options.parameters).map.positions();
+  return result;
+}
 
 void run(const std::string& name, const Options& options) {
   PlyMesh mesh = meshOf(name);
   if (!options.make.empty()) return writePly(options.make, mesh);
+  if (!options.level.empty()) return writePly(options.level, levelOf(mesh, name, options));
   const double checking = cpuSeconds();
   const ClosedSurface surface(mesh.vertices, mesh.faces, name);
   const double checked = cpuSeconds() - checking;
@@ -122,6 +146,9 @@ int main(const std::vector<std::string>& arguments) {
       options.save = value();
     } else if (word == "--make") {
       options.make = value();
+    } else if (word == "--level") {
+      options.levelVertices = std::stoi(value());
+      options.level = value();
     } else if (word == "--progress") {
       options.progress = true;
     } else if (word == "--measure") {

@@ -76,7 +76,7 @@ def test_landmarks_lie_where_the_surface_is_seen(name, which):
         assert np.array_equal(mine.transform_matrix(), moved if mine.id() in which else np.eye(4))
     for mine, theirs in zip(one[3:6], other[3:6]):  # landmarks
         size = theirs.bounding_box().diagonal()
-        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 1e-5 * size  # rounding, passed on by iterations
+        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 2e-4 * size  # rounding, passed on by iterations
         assert np.array_equal(mine.face_matrix(), theirs.face_matrix())
     for mine, theirs in zip(one[6:], other[6:]):  # spheres
         assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 1e-4
