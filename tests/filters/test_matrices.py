@@ -79,7 +79,7 @@ def test_landmarks_lie_where_the_surface_is_seen(name, which):
         assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 2e-4 * size  # rounding, passed on by iterations
         assert np.array_equal(mine.face_matrix(), theirs.face_matrix())
     for mine, theirs in zip(one[6:], other[6:]):  # spheres
-        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 1e-4
+        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 2e-3
         assert np.array_equal(mine.face_matrix(), theirs.face_matrix())
 
 
