@@ -17,6 +17,7 @@ constexpr long mostLandmarks = 20'000'000;
 /// For each layer the landmark layer that an earlier run made of it, whatever it is called by now.
 std::vector<std::optional<int>> earlierLandmarks(const host::Task& task, const std::vector<MappedLayer>& layers) {
   std::vector<host::Layer> surfaces;
+  surfaces.reserve(layers.size());
   for (const MappedLayer& layer : layers) surfaces.push_back(layer.layer);
   const std::vector<host::Layer> landmarks = task.layers.all(host::LayerKind::Landmarks);
   const std::vector<std::optional<size_t>> sources = landmarkSources(landmarks, surfaces);

@@ -68,13 +68,15 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
     results.create()  # before the work, not after
     result = correspond(surfaces, root=choices.root, method=choices.method, order=choices.order or "Time", progress=steps,
                         **choices.parameters())
-    row = Row(name, result, unit="mm" if all(map(files.is_label_volume, paths)) else None)
+    labels = all(map(files.is_label_volume, paths))
+    row = Row(name, result, unit="mm" if labels else None)
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
     runs = [report.Run(name, result)]
     text = (f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of them. Method {result.method}, order "
             f"{result.order}, root {surfaces[result.root].name}.")
-    return _finish(results, f"{name}: from surfaces to a shape model", text, [Section([row], runs, model=model)], choices, steps)
+    title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
+    return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps)
 
 
 def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: int, progress: Callable[[int], Lines]) -> List[report.Run]:

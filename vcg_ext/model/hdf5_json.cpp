@@ -49,22 +49,24 @@ class Document {
 
  private:
   static std::string link(const std::string& name, const std::string& collection, int id) {
-    return R"({"class": "H5L_TYPE_HARD", "title": ")" + name + R"(", "collection": ")" + collection + R"(", "id": )" +
-           identifier(id) + "}";
+    std::string text = R"({"class": "H5L_TYPE_HARD", "title": ")";
+    text.append(name).append(R"(", "collection": ")").append(collection);
+    return text.append(R"(", "id": )").append(identifier(id)).append("}");
   }
 
   void add(const Hdf5Group& group, const std::string& path, int id) {
     std::string attributes, links;
+    const auto below = [&path](const std::string& name) { return std::string(path).append("/").append(name); };
     for (const auto& [name, value] : group.attributes)
       attributes += (attributes.empty() ? "" : ", ") + (R"({"name": ")" + name + R"(", "type": )") + stringType +
                     R"(, "shape": )" + scalarShape + R"(, "value": ")" + value + "\"}";
     for (const Hdf5Group& inner : group.groups) {
       links += (links.empty() ? "" : ", ") + link(inner.name, "groups", next_);
-      add(inner, path + "/" + inner.name, next_++);
+      add(inner, below(inner.name), next_++);
     }
     for (const Hdf5Data& data : group.data) {
       links += (links.empty() ? "" : ", ") + link(data.name, "datasets", next_);
-      addData(data, path + "/" + data.name, next_++);
+      addData(data, below(data.name), next_++);
     }
     groups_ += (groups_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + (path.empty() ? "/" : path) +
                R"("], "attributes": [)" + attributes + R"(], "links": [)" + links + "]}";
