@@ -5,6 +5,7 @@
 #include <itkNrrdImageIO.h>
 
 #include <limits>
+#include <regex>
 #include <type_traits>
 
 #include "vcg_ext/base/error.h"
@@ -94,7 +95,8 @@ ItkVolume readWithItk(const std::string& fileName, VolumeFormat format, std::int
   }
   return volume;
 } catch (const itk::ExceptionObject& error) {
-  throw VolumeError(std::string("ITK says: ") + error.GetDescription());
+  // Its objects tell where they lie in memory, which is nobody's business and never the same.
+  throw VolumeError("ITK says: " + std::regex_replace(error.GetDescription(), std::regex("\\(0x[0-9a-f]+\\)"), ""));
 }
 
 }  // namespace sphere_propagation

@@ -26,7 +26,7 @@ struct VolumeFile::Content {
 
 void VolumeFile::Content::read() {
   header = readVolumeHeader(name);
-  if (header.sheared) {
+  if (header.unusual) {
     type = header.type;
     voxels = readNiftiVoxels(name, header);
     toWorld = *header.toRas;

@@ -173,6 +173,12 @@ bool isSheared(const Eigen::Matrix4d& matrix) {
   return !((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().array() < 1e-6).all();  // true for NaN
 }
 
+/// How much a unit of the head is in millimetres.
+double niftiUnit(const Fields& f, bool second) {
+  const int unit = (second ? f.get<std::int32_t>(500) : f.get<unsigned char>(123)) & 7;
+  return unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
+}
+
 /// R. W. Cox et al., NIfTI-1 and NIfTI-2 data formats: methods 3 (sform), 2 (qform) and 1.
 Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::string>& notes) {
   const auto real = [&](size_t one, size_t two, size_t index) {
@@ -180,7 +186,6 @@ Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::strin
   };
   const int qform = second ? f.get<std::int32_t>(344) : f.get<std::int16_t>(252);
   const int sform = second ? f.get<std::int32_t>(348) : f.get<std::int16_t>(254);
-  const int units = second ? f.get<std::int32_t>(500) : f.get<unsigned char>(123);
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   if (sform > 0) {
     for (size_t i = 0; i < 12; ++i)
@@ -200,9 +205,19 @@ Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::strin
     }
     for (int i = 0; i < 3; ++i) matrix.col(i) *= std::fabs(spacing[i]);
   }
-  const int unit = units & 7;
-  matrix.topRows<3>() *= unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
+  matrix.topRows<3>() *= niftiUnit(f, second);
   return matrix;
+}
+
+/// Whether the columns of the matrix are as long as the spacings that the head names besides.
+bool agreesWithPixdim(const Fields& f, bool second, const Eigen::Matrix4d& matrix) {
+  for (size_t i = 0; i < 3; ++i) {
+    const double named = niftiUnit(f, second) *
+                         std::fabs(second ? f.get<double>(112 + 8 * i) : static_cast<double>(f.get<float>(80 + 4 * i)));
+    const double length = matrix.col(static_cast<Eigen::Index>(i)).head<3>().norm();
+    if (!(std::fabs(named - length) <= 1e-5 * length)) return false;
+  }
+  return true;
 }
 
 VolumeHeader readNifti(const std::string& name) {
@@ -234,12 +249,15 @@ VolumeHeader readNifti(const std::string& name) {
   const double claimed = product(header.size) * static_cast<double>(bytesOf(header.type));
   header.voxelsBegin = static_cast<std::int64_t>(offset);
   header.toRas = niftiMatrix(f, second, header.notes);
-  header.sheared = isSheared(*header.toRas);
+  header.unusual = isSheared(*header.toRas) || !agreesWithPixdim(f, second, *header.toRas);
   header.swapped = f.swapped();
   const double slope = second ? f.get<double>(176) : static_cast<double>(f.get<float>(112));
   const double shift = second ? f.get<double>(184) : static_cast<double>(f.get<float>(116));
-  if (header.sheared && slope != 0 && (slope != 1 || shift != 0))
-    fail("its matrix is sheared and its voxels are scaled (scl_slope), which are not read together");
+  if (header.unusual && slope != 0 && (slope != 1 || shift != 0))
+    fail(
+        "its matrix is sheared, or disagrees with its pixdim, and its voxels are scaled (scl_slope), which are not "
+        "read "
+        "together");
 
   const double onDisk = sizeOfFile(fs::u8path(name));
   if (!file.compressed()) {

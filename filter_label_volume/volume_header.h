@@ -17,8 +17,10 @@ struct VolumeHeader {
   std::int64_t voxels = 0;         ///< their product
   bool phasesFirst = false;        ///< what ITK reads has the phase as the axis that changes fastest (NRRD's lists)
   std::optional<Eigen::Matrix4d> toRas;  ///< NIfTI: (i, j, k, 1) to mm, right-anterior-superior; else ITK tells
-  bool sheared = false;          ///< NIfTI: its axes are not at right angles (or lie in a plane); ITK does not read it
-  std::int64_t voxelsBegin = 0;  ///< NIfTI: byte at which the voxels begin, when the file is unpacked
+  /// NIfTI: its axes are not at right angles, or lie in a plane, or are not as long as its pixdim says; ITK does not
+  /// read it.
+  bool unusual = false;
+  std::int64_t voxelsBegin = 0;       ///< NIfTI: byte at which the voxels begin, when the file is unpacked
   VoxelType type = VoxelType::Uint8;  ///< NIfTI: of the voxels
   bool swapped = false;               ///< NIfTI: their bytes are in the other order than this machine's
   std::vector<std::string> notes;     ///< what the user should know
@@ -33,7 +35,7 @@ struct VolumeHeader {
 /// vectors, truncated, a size that the file cannot hold or of more than 4 GB, a place in space that is not finite.
 VolumeHeader readVolumeHeader(const std::string& fileName);
 
-/// The voxels of a NIfTI file that ITK does not read because it is sheared, in this machine's order of bytes.
+/// The voxels of a NIfTI file that ITK does not read because its matrix is unusual, in this machine's order of bytes.
 /// Throws VolumeError when they are not all there.
 std::vector<char> readNiftiVoxels(const std::string& fileName, const VolumeHeader& header);
 
