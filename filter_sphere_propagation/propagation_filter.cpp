@@ -104,7 +104,10 @@ class PropagationFilter : public host::Filter {
         "<b>repaired_faces</b>: faces that were flipped before the "
         "repair; <b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of Robust lost it "
         "and "
-        "alignment with its parent gave it, 2 where that failed as well and it came as published; " +
+        "alignment with its parent gave it, 2 where that failed as well and it came as published; "
+        "<b>branch_distance</b>, <b>branch_angle</b>: in Cyclic time, how far the maps of the two branches are apart "
+        "where they "
+        "meet, on average, on the surface in the mesh's unit and on the sphere in degrees; " +
             mapFiguresInfo() + "<br><br>" + paperReference(),
         host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
   }
@@ -137,6 +140,10 @@ class PropagationFilter : public host::Filter {
          "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps what was propagated: "
          "tissue that stretches keeps its share of the sphere.",
          0.0},
+        {"residual_quality", "Store residual as quality",
+         "Store how far each vertex lies from what was brought onto its layer as its quality, in place of what quality "
+         "the layer had; \"Colorize by vertex quality\" shows it.",
+         false},
         host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
                         "As published: scale each layer to the extents of its parent along the principal axes before "
                         "corresponding vertices are looked for.",
@@ -177,6 +184,9 @@ class PropagationFilter : public host::Filter {
     parameters.published.icpIterations = task.values.integer("icp_iterations");
     parameters.published.smoothingSweeps = task.values.integer("smoothing_sweeps");
     parameters.threads = task.values.integer("threads");
+    const auto order = static_cast<Order>(task.values.choice("order"));
+    if (order == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
+    logShorterTree(task, sequence, tree);
     const Propagation propagated = propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
     if (propagated.learnt)
       task.log(
@@ -184,10 +194,30 @@ class PropagationFilter : public host::Filter {
           "translation " +
           shortNumber(propagated.learnt->translation) + ", strain " + shortNumber(propagated.learnt->strain) +
           ", rotation " + shortNumber(propagated.learnt->rotation));
-    return write(task, sequence, propagated.layers);
+    host::Outputs outputs = write(task, sequence, propagated.layers);
+    if (propagated.closing) {
+      const MapDifference& difference = *propagated.closing;
+      const auto label = [&](int i) { return sequence.layers[static_cast<size_t>(i)].label(); };
+      task.log("Where the two branches of the cycle meet, from " + label(parameters.closing->from) + " to " +
+               label(parameters.closing->to) + ", they differ by " + shortNumber(difference.distance.mean) +
+               " on the surface (95 % below " + shortNumber(difference.distance.p95) + "), " +
+               shortNumber(difference.angle.mean) + " degrees on the sphere");
+      outputs["branch_distance"] = difference.distance.mean;
+      outputs["branch_angle"] = difference.angle.mean;
+    }
+    return outputs;
   }
 
  private:
+  /// Says which other root would leave the farthest layer at most three quarters of the arcs away.
+  static void logShorterTree(host::Task& task, const Sequence& sequence, const PropagationTree& tree) {
+    const int centre = tree.centre(), arcs = tree.farthestFrom(tree.root()), least = tree.farthestFrom(centre);
+    if (4 * least > 3 * arcs || arcs - least < 2) return;
+    task.log("Note: the farthest layer is " + counted(arcs, "step", "steps") + " from the root; with layer \"" +
+             sequence.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " + std::to_string(least) +
+             ". Where layers form a cycle, the order \"Cyclic time\" is shorter, too.");
+  }
+
   static std::string whyNoMap(const host::Layer& layer, const MeshSurface& mesh) {
     std::string text = "Layer \"" + layer.label() + "\" is the root and has no map.";
     if (layer.hasAttribute())
@@ -213,7 +243,8 @@ class PropagationFilter : public host::Filter {
       text +=
           (text.empty() ? "" : "; ") + std::string(
                                            "its mirror image fits its parent far better: is it a left one "
-                                           "among right ones? Mirror it first (\"Transform: Flip and/or swap axis\")");
+                                           "among right ones? Mirror it first (\"Transform: Flip and/or swap axis\", "
+                                           "then \"Invert Faces Orientation\")");
     const double size = propagated.relativeSize;
     if (size > differentSize || size < 1 / differentSize)
       text += (text.empty() ? "" : "; ") + std::string("it is ") + shortNumber(size > 1 ? size : 1 / size) + " times " +
@@ -314,11 +345,20 @@ class PropagationFilter : public host::Filter {
                 shortNumber(layer.residualP95) + "), " + counted(layer.repairedFaces, "face", "faces") + " repaired, " +
                 shortNumber(layer.seconds) + " s";
       }
+      if (task.values.flag("residual_quality"))
+        task.changes.setQuality(sequence.layers[i], sequence.meshes[i],
+                                Eigen::Map<const Eigen::VectorXd>(layer.distances.data(),
+                                                                  static_cast<Eigen::Index>(layer.distances.size())));
       task.log(line);
       if (const std::string text = warning(sequence.layers[i], sequence.meshes[i], layer); !text.empty())
         task.log(text);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
+    if (task.values.flag("residual_quality"))
+      task.log(
+          "Quality: distance of each vertex from what was brought onto its layer, in the mesh's unit; 0 at the root, " +
+          shortNumber(residualMean.maxCoeff()) + " on average and " + shortNumber(residualP95.maxCoeff()) +
+          " for 95 % of the vertices on the layer that is farthest off");
     host::Outputs outputs = {{"parent", parent},
                              {"residual_mean", residualMean},
                              {"residual_p95", residualP95},

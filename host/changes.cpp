@@ -60,7 +60,8 @@ struct Changes::ColorChange {
 struct Changes::QualityChange {
   int layerId;
   std::vector<int> meshVertex;
-  Eigen::VectorXd ofVertices, ofFaces;
+  Eigen::VectorXd ofVertices;
+  std::optional<Eigen::VectorXd> ofFaces;
 };
 
 struct Changes::LayerChange {
@@ -121,7 +122,7 @@ void Changes::setColors(const Layer& layer, const MeshSurface& surface, Colors c
 }
 
 void Changes::setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices,
-                         Eigen::VectorXd ofFaces) {
+                         std::optional<Eigen::VectorXd> ofFaces) {
   qualities_.push_back({layer.id(), surface.meshVertex, std::move(ofVertices), std::move(ofFaces)});
 }
 
@@ -185,15 +186,19 @@ int Changes::commit() {
   }
   for (const QualityChange& change : qualities_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
-    mesh.updateDataMask(MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY);
+    mesh.updateDataMask(MeshModel::MM_VERTQUALITY);
     for (size_t v = 0; v < change.meshVertex.size(); ++v)
       mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].Q() =
           static_cast<Scalarm>(change.ofVertices[static_cast<Eigen::Index>(v)]);
-    Eigen::Index row = 0;  // a surface's faces are the mesh's that are not deleted, in their order
-    for (CFaceO& face : mesh.cm.face)
-      if (!face.IsD()) face.Q() = static_cast<Scalarm>(change.ofFaces[row++]);
+    changed |= MeshModel::MM_VERTQUALITY;
+    if (change.ofFaces) {
+      mesh.updateDataMask(MeshModel::MM_FACEQUALITY);
+      Eigen::Index row = 0;  // a surface's faces are the mesh's that are not deleted, in their order
+      for (CFaceO& face : mesh.cm.face)
+        if (!face.IsD()) face.Q() = static_cast<Scalarm>((*change.ofFaces)[row++]);
+      changed |= MeshModel::MM_FACEQUALITY;
+    }
     mesh.setMeshModified();
-    changed |= MeshModel::MM_VERTQUALITY | MeshModel::MM_FACEQUALITY;
   }
   bool first = true;
   for (LayerChange& change : layers_) {

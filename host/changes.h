@@ -45,8 +45,9 @@ class Changes {
   void setColors(const Layer& layer, const MeshSurface& surface, Colors colors);
 
   /// Stores numbers as MeshLab's quality, which its colour ramps, histograms and selections work on.
-  /// ofVertices, ofFaces: one per vertex and one per face of `surface`.
-  void setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices, Eigen::VectorXd ofFaces);
+  /// ofVertices, ofFaces: one per vertex and one per face of `surface`; without the second, faces keep what they have.
+  void setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices,
+                  std::optional<Eigen::VectorXd> ofFaces = {});
 
   /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
   /// run made, replaces what that one holds. A file name's ending behind that label is overlooked, but not in layers of

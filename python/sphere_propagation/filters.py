@@ -65,10 +65,16 @@ class Propagation:
     vertices from what was brought onto it, in their unit), repaired_faces, route (0 by the method asked for; where Robust lost a
     surface 1 by alignment with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees),
     seconds.
+    residuals: where asked for, of each surface the distance of every vertex from what was brought onto it.
+    branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the maps of the two branches are apart
+    where they meet.
     """
 
     maps: List[SphereMap]
     figures: Figures
+    residuals: Optional[List[np.ndarray]] = None
+    branch_distance: Optional[float] = None
+    branch_angle: Optional[float] = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +149,8 @@ def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", a
 
 
 def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer: int = 0, method: str = "Robust", order: str = "Time",
-              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, anisotropic_scaling: bool = True,
-              icp_iterations: int = 30, smoothing_sweeps: int = 50, threads: int = 0) -> Propagation:
+              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, residual_quality: bool = False,
+              anisotropic_scaling: bool = True, icp_iterations: int = 30, smoothing_sweeps: int = 50, threads: int = 0) -> Propagation:
     """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
 
     surfaces: in order of time, in one unit. root_map: the map of surfaces[root_layer].
@@ -152,6 +158,7 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     order: who hands the map to whom, one of ORDERS; Cyclic time for a whole heart cycle, Similarity tree where there is no order.
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
+    residual_quality: whether `residuals` is returned.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with any number.
 
@@ -165,13 +172,17 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
         parents = ", ".join(str(int(parent)) for parent in parents)
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
     figures = layers.apply(meshes, PROPAGATE, root_layer=root_layer, method=method, order=order, parents=parents,
-                           area_restoration=area_restoration, anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations,
-                           smoothing_sweeps=smoothing_sweeps, threads=threads)
+                           area_restoration=area_restoration, residual_quality=residual_quality,
+                           anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations, smoothing_sweeps=smoothing_sweeps,
+                           threads=threads)
     if len(figures["parent"]) != len(surfaces):
         raise FilterError(PROPAGATE, "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
                           "the unit sphere, or is called like a layer of a shape model.")
     _warn_of_distant_layers(surfaces, figures["residual_mean"])
-    return Propagation([layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))], figures)
+    maps = [layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))]
+    residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
+    branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
+    return Propagation(maps, figures, residuals, *branches)
 
 
 def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) -> None:

@@ -65,6 +65,22 @@ TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
   EXPECT_EQ(fit.equations[0].vector.size(), 0);
 }
 
+TEST(MotionFit, AnEarlierFitSavesAnIteration) {
+  const Sequence sequence(3, Vector3(1, 0, 0), 0.2);
+  const MotionModel model = sequence.model();
+  const std::vector<MotionTarget> targets = motionTargets(sequence.surfaces, pool);
+  const MotionPrior prior = fixedMotionPrior();
+  const MotionFit first = fitMotion(model, targets, timeOrder(3, 0), prior, pool);
+  const MotionFit again = fitMotion(model, targets, timeOrder(3, 0), prior, pool, {}, first.coefficients);
+  for (size_t t = 1; t < 3; ++t) {
+    const Eigen::VectorXd& before = first.coefficients[t - 1];
+    const double step = (first.coefficients[t] - before).norm();
+    EXPECT_LT((again.coefficients[t] - first.coefficients[t]).norm(), 0.1 * step);
+    EXPECT_EQ(fitArc(model, targets[t], before, prior).coefficients, first.coefficients[t]);
+    EXPECT_NE(again.coefficients[t], first.coefficients[t]);
+  }
+}
+
 TEST(MotionPrior, TheFixedOneIsDiagonal) {
   const MotionPrior prior = fixedMotionPrior();
   EXPECT_EQ(prior.precision(0, 0), 1);

@@ -51,6 +51,20 @@ TEST(MotionModel, ProjectionIsTheTransposedDisplacement) {
   }
 }
 
+TEST(MotionModel, ProjectsAllForcesAtOnce) {
+  const Ellipsoid e;
+  const MotionModel model(e.surface, e.map);
+  Points forces(model.nodes().rows(), 3);
+  test::Random random(2);
+  for (Eigen::Index i = 0; i < forces.size(); ++i) forces.data()[i] = random.normal();
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(MotionModel::columns), row(MotionModel::columns);
+  for (Eigen::Index i = 0; i < forces.rows(); ++i) {
+    model.project(static_cast<int>(i), forces.row(i).transpose(), row.data());
+    sum += row;
+  }
+  EXPECT_LT((model.projectAll(forces) - sum).norm(), 1e-11 * sum.norm());
+}
+
 TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
   const Ellipsoid e;
   const MotionModel model(e.surface, e.map);

@@ -220,6 +220,44 @@ TEST(Propagation, OneLayerIsTheRoot) {
   EXPECT_EQ(told.back(), 1);
 }
 
+TEST(Propagation, ComparesTheBranchesOfACycle) {
+  const Sequence sequence(5);
+  const SphereMap root = sequence.map(0);
+  PropagationParameters parameters;
+  const Propagation open = propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters);
+  EXPECT_FALSE(open.closing);
+  for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
+    parameters.method = method;
+    parameters.closing = closingArc(5, 0);
+    const Propagation closed = propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters);
+    ASSERT_TRUE(closed.closing);
+    EXPECT_GT(closed.closing->distance.mean, 0);
+    EXPECT_LT(closed.closing->distance.mean, 3);  // of an ellipsoid with semi-axes of 30, 16 and 13
+    EXPECT_LT(closed.closing->angle.mean, 15);
+    EXPECT_LE(closed.closing->distance.mean, closed.closing->distance.p95);
+    if (method == PropagationMethod::AsPublished) continue;
+    for (size_t i = 0; i < 5; ++i)  // nothing else is changed by it
+      EXPECT_EQ(closed.layers[i].map.positions(), open.layers[i].map.positions());
+  }
+  parameters.closing = Arc{0, 5};
+  EXPECT_THROW(propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters), ParameterError);
+}
+
+TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
+  const Sequence sequence(3);
+  for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
+    PropagationParameters parameters;
+    parameters.method = method;
+    const Propagation made = propagate(sequence.surfaces, sequence.map(0), timeOrder(3, 0), parameters);
+    for (size_t i = 0; i < 3; ++i) {
+      const PropagatedLayer& layer = made.layers[i];
+      ASSERT_EQ(layer.distances.size(), static_cast<size_t>(sequence.surfaces[i].vertexCount()));
+      EXPECT_EQ(residualOf(layer.distances).mean, layer.residualMean);
+    }
+    EXPECT_EQ(residualOf(made.layers[0].distances).p95, 0);
+  }
+}
+
 TEST(Propagation, RefusesLayersInDifferentUnits) {
   const Sequence sequence(3);
   const SphereMap root = sequence.map(0);

@@ -90,6 +90,30 @@ TEST(PropagationTree, NoCyclicChainIsLongerThanHalfTheCycle) {
     }
 }
 
+TEST(PropagationTree, TheClosingArcIsTheOneThatTheCycleLacks) {
+  for (int layers = 2; layers < 9; ++layers)
+    for (int root = 0; root < layers; ++root) {
+      const PropagationTree tree = cyclicTimeOrder(layers, root);
+      const Arc arc = closingArc(layers, root);
+      EXPECT_EQ(arc.to, (arc.from + 1) % layers);
+      EXPECT_TRUE(tree.children()[arc.from].empty());
+      if (layers == 2) continue;  // there and back
+      EXPECT_NE(tree.parent[arc.from], arc.to);
+      EXPECT_NE(tree.parent[arc.to], arc.from);
+    }
+}
+
+TEST(PropagationTree, TheCentreIsTheBestRootOfTheSameTree) {
+  EXPECT_EQ(timeOrder(9, 0).centre(), 4);
+  EXPECT_EQ(timeOrder(9, 0).farthestFrom(0), 8);
+  EXPECT_EQ(timeOrder(9, 0).farthestFrom(4), 4);
+  EXPECT_EQ(timeOrder(8, 4).centre(), 4);  // as good as 3
+  EXPECT_EQ(star(5, 2).centre(), 2);
+  EXPECT_EQ(cyclicTimeOrder(9, 3).centre(), 3);
+  EXPECT_EQ(givenOrder({-1, 0, 1, 2, 2, 2}).centre(), 1);
+  EXPECT_EQ(timeOrder(1, 0).centre(), 0);
+}
+
 TEST(PropagationTree, StarHangsEveryLayerOnTheRoot) {
   const PropagationTree tree = star(4, 1);
   EXPECT_EQ(tree.parent, (std::vector<int>{1, -1, 1, 1}));

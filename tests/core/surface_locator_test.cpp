@@ -149,6 +149,19 @@ TEST(SurfaceLocator, OnlyFacesThatAgreeWithTheDirection) {
   EXPECT_EQ(locator.closest({0, 0, 0}, {0, 0, 1}, 1.5).face, -1);
 }
 
+TEST(SurfaceLocator, WhereItLooksFirstChangesNothing) {
+  const Mesh mesh = noisyEllipsoid(5);
+  const SurfaceLocator locator(mesh.vertices, mesh.faces);
+  Random random(14);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 x = 40 * random.direction() * random.uniform(), direction = random.direction();
+    const int near = random.index(static_cast<int>(mesh.faces.rows()));
+    EXPECT_EQ(locator.closest(x, near).face, locator.closest(x).face);
+    EXPECT_EQ(locator.closest(x, near).weights, locator.closest(x).weights);
+    EXPECT_EQ(locator.closest(x, direction, 0.5, near).face, locator.closest(x, direction, 0.5).face);
+  }
+}
+
 TEST(SurfaceLocator, TinyAndHugeCoordinates) {
   for (const double scale : {1e-30, 1e30}) {
     const Mesh small = ellipsoid(3, 2, 1, 4);

@@ -12,6 +12,7 @@ import volume_files  # noqa: E402
 
 ARGUMENTS = {  # of a small run, by python name; filters that are not named are called without
     "create_ventricle_phantom": {"phases": 4, "voxel_size": 4.0},
+    "transfer_spherical_parameterisation_to_layers": {"order": "Cyclic time"},
     "generate_icosphere_remeshing": {"frequency": 3},
 }
 

@@ -18,6 +18,7 @@ PARAMETERS = {
         "order": ["Time", "Cyclic time", "Similarity tree", "Star", "Given"],
         "parents": "",
         "area_restoration": 0.0,
+        "residual_quality": False,
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,

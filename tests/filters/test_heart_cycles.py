@@ -174,3 +174,19 @@ def test_restoring_areas_gives_each_layer_equal_areas(measure):
         figures = measure.map_figures(mesh.vertex_matrix(), mesh.face_matrix(), positions(mesh))
         assert figures["flips"] == 0 and figures["sd"] == pytest.approx(sd, rel=1e-6)
     assert returned["area_ratio_sd"].max() < 0.02
+
+
+def test_the_branches_of_a_cycle_are_compared_where_they_meet():
+    apart = {}
+    for method in ("Robust", "As published"):
+        ms = project_of("phantom cavity")
+        ms.apply_filter(ROOT)
+        returned = ms.apply_filter(PROPAGATE, order="Cyclic time", method=method, residual_quality=True)
+        apart[method] = returned["branch_distance"]
+        assert 0 < returned["branch_angle"] < 30
+        for mesh, residual in zip(ms, returned["residual_mean"]):
+            assert mesh.vertex_scalar_array().mean() == pytest.approx(residual, rel=1e-6)
+    assert 0 < apart["Robust"] < 0.5 * apart["As published"]
+    plain = project_of("phantom cavity")
+    plain.apply_filter(ROOT)
+    assert "branch_distance" not in plain.apply_filter(PROPAGATE, order="Time")

@@ -173,6 +173,22 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
                        [&](int i) { return MotionTarget(surfaces[static_cast<size_t>(i)]); });
 }
 
+ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
+              const MotionPrior& prior, const Eigen::VectorXd& earlierStep) {
+  ArcFit fit{before, {}};
+  const bool again = earlierStep.size() > 0;
+  if (again) fit.coefficients += earlierStep;
+  std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
+  ArcEquations& e = fit.equations;
+  for (int i = 0; i < (again ? iterationsAgain : iterations); ++i) {
+    const DataTerm data = dataTermAt(model, target, fit.coefficients, nearby);
+    e.matrix = informationOf(model, data) / prior.noise;
+    e.vector = model.projectAll(data.pull) / prior.noise + e.matrix * (fit.coefficients - before);
+    fit.coefficients = before + (e.matrix + prior.precision).llt().solve(e.vector);
+  }
+  return fit;
+}
+
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
                     const MotionPrior& prior, ThreadPool& pool, const Progress& progress,
                     const std::vector<Eigen::VectorXd>& earlier) {
@@ -185,18 +201,10 @@ MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& t
     pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
       const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
       const auto s = static_cast<size_t>(tree.parent[t]);
-      const Eigen::VectorXd& before = fit.coefficients[s];
-      Eigen::VectorXd c = before;
-      if (!earlier.empty()) c += earlier[t] - earlier[s];
-      std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
-      ArcEquations& equations = fit.equations[t];
-      for (int i = 0; i < (earlier.empty() ? iterations : iterationsAgain); ++i) {
-        const DataTerm data = dataTermAt(model, targets[t], c, nearby);
-        equations.matrix = informationOf(model, data) / prior.noise;
-        equations.vector = model.projectAll(data.pull) / prior.noise + equations.matrix * (c - before);
-        c = before + (equations.matrix + prior.precision).llt().solve(equations.vector);
-      }
-      fit.coefficients[t] = std::move(c);
+      const Eigen::VectorXd step = earlier.empty() ? Eigen::VectorXd() : earlier[t] - earlier[s];
+      ArcFit arc = fitArc(model, targets[t], fit.coefficients[s], prior, step);
+      fit.coefficients[t] = std::move(arc.coefficients);
+      fit.equations[t] = std::move(arc.equations);
     });
     done += levels[level].size();
     report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));

@@ -54,6 +54,16 @@ struct MotionTarget {
 
 std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
 
+struct ArcFit {
+  Eigen::VectorXd coefficients;
+  ArcEquations equations;
+};
+
+/// Fits one layer. before: the coefficients of the layer that it comes from; earlierStep: what another fit of this arc
+/// added to them, to start with (two iterations instead of three), or of size 0.
+ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
+              const MotionPrior& prior, const Eigen::VectorXd& earlierStep = {});
+
 struct MotionFit {
   std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
   std::vector<ArcEquations> equations;        ///< of each layer; empty at the root

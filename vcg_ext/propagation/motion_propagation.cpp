@@ -25,7 +25,8 @@ std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap
 }  // namespace
 
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress) {
+                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress,
+                            const std::optional<Arc>& closing) {
   const Stopwatch fitting;
   const ClosedSurface& root = surfaces[static_cast<size_t>(tree.root())];
   FollowedMotion followed;
@@ -58,6 +59,12 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
     });
     done += level.size();
     report(progress, 0.75 + 0.25 * static_cast<double>(done) / static_cast<double>(surfaces.size()));
+  }
+  if (closing && (closing->from == tree.root() || followed.layers[static_cast<size_t>(closing->from)])) {
+    const auto from = static_cast<size_t>(closing->from), to = static_cast<size_t>(closing->to);
+    const ArcFit arc = fitArc(model, targets[to], fit.coefficients[from], prior);
+    std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(arc.coefficients), surfaces[to]);
+    if (map) followed.closing = std::move(map->map);
   }
   return followed;
 }

@@ -31,11 +31,13 @@ struct FollowedMotion {
   /// be repaired, or the layer that it comes from was lost.
   std::vector<std::optional<FollowedLayer>> layers;
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
+  std::optional<SphereMap> closing;       ///< the map that the closing arc carries to its end; empty where it is lost
 };
 
 /// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer; pool: who does the work,
-/// with the same result whatever the number of threads.
+/// with the same result whatever the number of threads; closing: an arc beside the tree, which changes nothing in it.
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
-                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {});
+                            const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {},
+                            const std::optional<Arc>& closing = {});
 
 }  // namespace sphere_propagation

@@ -36,6 +36,11 @@ void requireFit(const std::vector<ClosedSurface>& surfaces, const SphereMap& roo
   if (!(parameters.areaRestoration >= 0 && parameters.areaRestoration <= 1))
     throw ParameterError("The area restoration must lie between 0 and 1; it is " +
                          std::to_string(parameters.areaRestoration) + ".");
+  if (parameters.closing)
+    for (int i : {parameters.closing->from, parameters.closing->to})
+      if (i < 0 || i >= tree.size())
+        throw ParameterError("The arc that closes the cycle joins layer " + std::to_string(i) +
+                             ", which does not exist.");
   if (parameters.threads < 0)
     throw ParameterError("The number of threads must not be negative; it is " + std::to_string(parameters.threads) +
                          ".");
@@ -72,15 +77,24 @@ PropagatedLayer propagateArc(const ClosedSurface& reference, const SphereMap& re
     if (parameters.method == PropagationMethod::Robust) {
       try {
         RobustPropagation arc = propagateRobustly(reference, referenceMap, target);
-        return {
-            std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, Route::Alignment, {}, 1};
+        return {std::move(arc.map),
+                -1,
+                arc.repairedFaces,
+                arc.residualMean,
+                arc.residualP95,
+                0,
+                Route::Alignment,
+                {},
+                1,
+                std::move(arc.distances)};
       } catch (const MapError&) {
         // Shapes that differ much: the published steps smooth all of the map, and so reach a valid one more often.
       }
     }
     PublishedPropagation arc = propagateAsPublished(reference, referenceMap, target, parameters.published);
     const Route route = parameters.method == PropagationMethod::Robust ? Route::Published : Route::Method;
-    return {std::move(arc.map), -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route, {}, 1};
+    return {std::move(arc.map),      -1, arc.repairedFaces, arc.residualMean, arc.residualP95, 0, route, {}, 1,
+            std::move(arc.distances)};
   } catch (const MapError& error) {  // names the target, but knows nothing of the tree
     throw MapError(error.count, error.first,
                    std::string(error.what()) + " They come from layer \"" + reference.name() +
@@ -110,7 +124,8 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
                       const PropagationParameters& parameters, const Progress& progress) {
   requireFit(surfaces, rootMap, tree, parameters);
   std::vector<std::optional<PropagatedLayer>> layers(surfaces.size());
-  layers[tree.root()] = PropagatedLayer{rootMap, -1, 0, 0, 0, 0, Route::Method, {}, 1};
+  layers[tree.root()] = PropagatedLayer{
+      rootMap, -1, 0, 0, 0, 0, Route::Method, {}, 1, std::vector<double>(surfaces[tree.root()].vertexCount(), 0)};
   const bool restores = parameters.areaRestoration > 0;
   const Progress ofArcs = part(progress, 0, restores ? propagationShare : 1);
   // Robust: the root's motion, followed through all layers; arc by arc where that loses a layer.
@@ -129,13 +144,22 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
       for (size_t i = 0; i < surfaces.size(); ++i) inRootsFrame.push_back(movedSurface(surfaces[i], poses[i].toRoot));
   }
   const std::vector<ClosedSurface>& placed = inRootsFrame.empty() ? surfaces : inRootsFrame;
-  if (follows) followed = followMotion(placed, rootMap, tree, pool, part(ofArcs, 0, followingShare));
+  if (follows)
+    followed = followMotion(placed, rootMap, tree, pool, part(ofArcs, 0, followingShare), parameters.closing);
   overArcs(surfaces, tree, part(ofArcs, follows ? followingShare : 0, 1), [&](int i, const Progress&) {
     const int parent = tree.parent[i];
     if (std::optional<FollowedLayer>& layer = followed.layers[i]) {
       TransferredMap& read = layer->transferred;
-      layers[i] = {std::move(read.map), parent,         read.repairedFaces, read.residual.mean,
-                   read.residual.p95,   layer->seconds, Route::Method,      {}};
+      layers[i] = {std::move(read.map),
+                   parent,
+                   read.repairedFaces,
+                   read.residual.mean,
+                   read.residual.p95,
+                   layer->seconds,
+                   Route::Method,
+                   {},
+                   1,
+                   std::move(read.distances)};
       return;
     }
     const Stopwatch watch;
@@ -143,6 +167,12 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
     layers[i]->parent = parent;
     layers[i]->seconds = watch.seconds();
   });
+  std::optional<MapDifference> closing;
+  if (parameters.closing) {
+    const auto [from, to] = *parameters.closing;
+    if (!followed.closing) followed.closing = propagateArc(placed[from], layers[from]->map, placed[to], parameters).map;
+    closing = differenceOf(surfaces[to], *followed.closing, layers[to]->map);
+  }
   // In a second round: children have read the map of their parent as it was.
   if (restores)
     overArcs(surfaces, tree, part(progress, propagationShare, 1), [&](int i, const Progress& ofLayer) {
@@ -152,6 +182,7 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
     });
   Propagation result;
   result.learnt = followed.learnt;
+  result.closing = closing;
   result.layers.reserve(layers.size());
   for (size_t i = 0; i < layers.size(); ++i) {
     layers[i]->pose = poses[i];

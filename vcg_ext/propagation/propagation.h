@@ -8,6 +8,7 @@
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/layer_poses.h"
+#include "vcg_ext/propagation/map_difference.h"
 #include "vcg_ext/propagation/motion_fit.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 #include "vcg_ext/propagation/published_propagation.h"
@@ -25,6 +26,8 @@ struct PropagationParameters {
   /// In [0, 1]: how far each layer's map is moved towards area preservation in the end (area_restoration.h). What goes
   /// down the tree is the map before that, and the root keeps the map that it has.
   double areaRestoration = 0;
+  /// An arc of layers that close a cycle, beside the tree: its map is compared with the one that the tree brings.
+  std::optional<Arc> closing = {};
   int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any number
 };
 
@@ -46,13 +49,16 @@ struct PropagatedLayer {
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
   double seconds = 0;       ///< spent on this layer, wall clock
   Route route = Route::Method;
-  LayerPose pose;           ///< in which method Robust brought it onto its parent
-  double relativeSize = 1;  ///< of its radius (of the sphere of its area) to its parent's
+  LayerPose pose;                      ///< in which method Robust brought it onto its parent
+  double relativeSize = 1;             ///< of its radius (of the sphere of its area) to its parent's
+  std::vector<double> distances = {};  ///< #V: what the residual is made of; zeros at the root
 };
 
 struct Propagation {
   std::vector<PropagatedLayer>
       layers;  ///< one entry per layer, in layer order; the root has rootMap as it is, and zeros
+  /// Where the closing arc ends: between the map that it carries there and the one that the tree does.
+  std::optional<MapDifference> closing;
   std::optional<MotionVariances> learnt;  ///< by method Robust, where there was enough to learn from (motion_fit.h)
 };
 

@@ -59,6 +59,32 @@ std::vector<std::vector<int>> PropagationTree::levels() const {
 
 std::vector<std::vector<int>> PropagationTree::children() const { return childrenOf(parent); }
 
+int PropagationTree::farthestFrom(int layer) const {
+  std::vector<std::vector<int>> neighbours = childrenOf(parent);
+  for (size_t i = 0; i < parent.size(); ++i)
+    if (parent[i] >= 0) neighbours[i].push_back(parent[i]);
+  std::vector<int> distance(parent.size(), -1), queue{layer};
+  distance[layer] = 0;
+  for (size_t next = 0; next < queue.size(); ++next)
+    for (int other : neighbours[queue[next]]) {
+      if (distance[other] >= 0) continue;
+      distance[other] = distance[queue[next]] + 1;
+      queue.push_back(other);
+    }
+  return distance[queue.back()];
+}
+
+int PropagationTree::centre() const {
+  int best = root(), least = farthestFrom(best);
+  for (int i = 0; i < size(); ++i) {
+    const int farthest = farthestFrom(i);
+    if (farthest >= least) continue;
+    least = farthest;
+    best = i;
+  }
+  return best;
+}
+
 int defaultRoot(int layers) {
   requireRoot(layers, 0);
   return layers / 2;
@@ -81,6 +107,12 @@ PropagationTree cyclicTimeOrder(int layers, int root) {
   }
   parent[root] = -1;
   return treeOf(std::move(parent), root);
+}
+
+Arc closingArc(int layers, int root) {
+  requireRoot(layers, root);
+  const int from = (root + layers / 2) % layers;
+  return {from, (from + 1) % layers};
 }
 
 PropagationTree star(int layers, int root) {

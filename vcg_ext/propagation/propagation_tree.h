@@ -20,6 +20,16 @@ struct PropagationTree {
   std::vector<std::vector<int>> levels() const;
   /// The layers that get their map from each layer, in ascending order.
   std::vector<std::vector<int>> children() const;
+  /// The layer that would be the best root of the same tree: the one from which the farthest layer is the fewest arcs
+  /// away; of equals the root itself, then the smallest.
+  int centre() const;
+  /// The number of arcs between a layer and the one farthest from it, whichever way the maps go.
+  int farthestFrom(int layer) const;
+};
+
+/// An arc from one layer to another.
+struct Arc {
+  int from = -1, to = -1;
 };
 
 /// The paper's default root, floor(layers / 2), counted from 0. layers >= 1.
@@ -33,6 +43,10 @@ PropagationTree timeOrder(int layers, int root);
 /// The same for layers that form a cycle (a heart beat): from the root on through floor(layers / 2) layers, and back
 /// through the others, so that no chain is longer than half the cycle. Parameters and errors as in timeOrder.
 PropagationTree cyclicTimeOrder(int layers, int root);
+
+/// The arc that cyclicTimeOrder leaves out, where its two branches meet: from the last layer of the one that goes
+/// forward to the last of the other. layers >= 2; errors as in timeOrder.
+Arc closingArc(int layers, int root);
 
 /// Every layer gets its map from the root itself. Parameters and errors as in timeOrder.
 PropagationTree star(int layers, int root);

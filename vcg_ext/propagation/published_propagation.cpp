@@ -57,12 +57,12 @@ Points alignedVertices(const ClosedSurface& target, const VertexLocator& referen
   return alignRigidly(points, reference, parameters.icpIterations).motion.applyTo(points);
 }
 
-Residual distancesFrom(const ClosedSurface& reference, const Points& points) {
+std::vector<double> distancesFrom(const ClosedSurface& reference, const Points& points) {
   const SurfaceLocator locator(reference.vertices(), reference.faces());
   std::vector<double> distances(static_cast<size_t>(points.rows()));
   for (size_t v = 0; v < distances.size(); ++v)
     distances[v] = locator.closest(points.row(static_cast<Eigen::Index>(v)).transpose()).distance;
-  return residualOf(std::move(distances));
+  return distances;
 }
 
 }  // namespace
@@ -173,8 +173,10 @@ PublishedPropagation propagateAsPublished(const ClosedSurface& reference, const 
                            "another order of propagation or another root, or the method \"Robust\".");
   const Points positions = smoothOnSphere(target, placeMovingNodes(target, nodes), parameters.smoothingSweeps);
   Untangled repaired = mend(target, positions);
-  const Residual residual = distancesFrom(reference, aligned);
-  return {std::move(repaired.map), repaired.repairedFaces, residual.mean, residual.p95, nodes.count()};
+  std::vector<double> distances = distancesFrom(reference, aligned);
+  const Residual residual = residualOf(distances);
+  return {std::move(repaired.map), repaired.repairedFaces, residual.mean, residual.p95,
+          nodes.count(),           std::move(distances)};
 }
 
 }  // namespace sphere_propagation

@@ -69,6 +69,7 @@ struct PublishedPropagation {
   double residualMean = 0;  ///< distance of the target's vertices, after steps 4a and 4b, from the reference surface
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
   int fixedNodes = 0;       ///< after step 4d
+  std::vector<double> distances = {};  ///< #V of the target: what the residual is made of
 };
 
 /// One arc of the propagation tree, steps 4a to 4f and the repair.

@@ -69,7 +69,7 @@ Points alignedVertices(const ClosedSurface& reference, const ClosedSurface& targ
 RobustPropagation propagateRobustly(const ClosedSurface& reference, const SphereMap& referenceMap,
                                     const ClosedSurface& target) {
   TransferredMap read = transferMap(reference, referenceMap, alignedVertices(reference, target), target);
-  return {std::move(read.map), read.repairedFaces, read.residual.mean, read.residual.p95};
+  return {std::move(read.map), read.repairedFaces, read.residual.mean, read.residual.p95, std::move(read.distances)};
 }
 
 }  // namespace sphere_propagation

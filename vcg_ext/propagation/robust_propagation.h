@@ -5,6 +5,8 @@
 /// smooth all of the sphere; so every arc pulls the map towards one that the mesh prefers. Here each vertex is read off
 /// the closest surface point, and only what is flipped is smoothed.
 
+#include <vector>
+
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
 
@@ -15,6 +17,7 @@ struct RobustPropagation {
   int repairedFaces = 0;    ///< faces that were flipped as read off, before the repair
   double residualMean = 0;  ///< distance of the target's vertices from the reference as moved, at the points read off
   double residualP95 = 0;   ///< the same, 95th percentile; both in the unit of the vertices
+  std::vector<double> distances = {};  ///< #V of the target: what the residual is made of
 };
 
 /// One arc of the propagation tree: brings the reference onto the target, then transferMap (map_transfer.h).
