@@ -48,6 +48,12 @@ class Document {
   }
 
  private:
+  static std::string attribute(const std::string& name, const std::string& value) {
+    std::string text = R"({"name": ")";
+    text.append(name).append(R"(", "type": )").append(stringType);
+    return text.append(R"(, "shape": )").append(scalarShape).append(R"(, "value": ")").append(value).append("\"}");
+  }
+
   static std::string link(const std::string& name, const std::string& collection, int id) {
     std::string text = R"({"class": "H5L_TYPE_HARD", "title": ")";
     text.append(name).append(R"(", "collection": ")").append(collection);
@@ -58,8 +64,7 @@ class Document {
     std::string attributes, links;
     const auto below = [&path](const std::string& name) { return std::string(path).append("/").append(name); };
     for (const auto& [name, value] : group.attributes)
-      attributes += (attributes.empty() ? "" : ", ") + (R"({"name": ")" + name + R"(", "type": )") + stringType +
-                    R"(, "shape": )" + scalarShape + R"(, "value": ")" + value + "\"}";
+      attributes.append(attributes.empty() ? "" : ", ").append(attribute(name, value));
     for (const Hdf5Group& inner : group.groups) {
       links += (links.empty() ? "" : ", ") + link(inner.name, "groups", next_);
       add(inner, below(inner.name), next_++);
