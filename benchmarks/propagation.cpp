@@ -8,6 +8,7 @@
 //   --threads N       0 = all; default 0
 //   --repeat N        take the least of N runs, after one that is not counted
 //   --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
+//   --root-map FILE   write the root with its map as px, py, pz
 
 #include <algorithm>
 #include <cstdio>
@@ -32,7 +33,7 @@ namespace {
 
 struct Options {
   PropagationParameters parameters;
-  std::string order = "cyclic", landmarks;
+  std::string order = "cyclic", landmarks, rootMap;
   int root = 0, repeat = 1;
   std::vector<std::string> files;
 };
@@ -54,6 +55,8 @@ Options optionsOf(const std::vector<std::string>& arguments) {
       options.repeat = std::stoi(value());
     } else if (word == "--landmarks") {
       options.landmarks = value();
+    } else if (word == "--root-map") {
+      options.rootMap = value();
     } else {
       options.files.push_back(word);
     }
@@ -130,6 +133,8 @@ void run(const Options& options) {
     std::printf(" %s_cpu=%.4f %s_wall=%.4f", name.c_str(), cost.cpu, name.c_str(), cost.wall);
   std::printf("\n");
 
+  if (!options.rootMap.empty())
+    writePly(options.rootMap, {root.vertices(), root.faces(), rootMap.front().map.positions()});
   if (options.landmarks.empty()) return;
   std::ofstream file(options.landmarks, std::ios::binary);
   for (const Points& layer : landmarks)

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Prints how good propagation is and what it costs, in the unit u of the same run, and the paper's Table 1 run again.
+
+    propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM] [--only PART ...]
+
+    EXE     propagation_benchmark (default: build/pymeshlab/benchmarks/propagation_benchmark; scripts/measure-propagation builds it)
+    DATA    folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data), the yardstick beside it
+    seeds   how many phantoms of each kind are averaged (default 1)
+    peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes landmarks_TT.ply; run in the first table
+    PART    of: sequences, paper, disturbed
+
+Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0, cyclic order. CPU: seconds of all
+threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's Laplacian. The least of three runs, of a peer one.
+"""
+import argparse
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+LANDMARKS = 1002
+# Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for the propagation (one core, 2.4 GHz).
+PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
+METHODS = {"published": "As published", "robust": "Robust"}
+
+
+def run(options, files, method="robust", repeat=3, root_map=None):
+    """What propagation_benchmark says (name -> number), and the landmarks, layer by layer."""
+    with tempfile.TemporaryDirectory() as folder:
+        landmarks = Path(folder) / "landmarks"
+        more = ["--root-map", root_map] if root_map else []
+        done = subprocess.run([options.program, "--method", method, "--repeat", str(repeat), "--threads", str(options.threads),
+                               "--landmarks", landmarks, *more, *files], capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{options.program}: {done.stdout} {done.stderr}")
+        figures = {name: float(value) for name, value in re.findall(r"(\w+)=([-+.\deE]+)", done.stdout)}
+        return figures, list(np.fromfile(landmarks).reshape(len(files), LANDMARKS, 3))
+
+
+def run_peer(peer, root_map, files, measure):
+    """CPU seconds of all it does, and its landmarks."""
+    with tempfile.TemporaryDirectory() as folder:
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, peer, root_map, *files[1:], "-o", folder] if peer.endswith(".py") else
+                       [peer, root_map, *files[1:], "-o", folder], stdout=subprocess.DEVNULL, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        landmarks = [measure.points(measure.read_ply(file)[0]) for file in sorted(Path(folder).glob("landmarks_*.ply"))]
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, landmarks
+
+
+def table(heads):
+    print("\n| " + " | ".join(heads) + " |\n|" + " --- |" * len(heads), flush=True)
+
+
+def row(cells):
+    print("| " + " | ".join(cells) + " |", flush=True)
+
+
+def error_text(errors):
+    """errors: one list over phases per run; worst and mean, averaged over the runs."""
+    return f"{np.mean([max(e) for e in errors]):.2f} / {np.mean([np.mean(e) for e in errors]):.2f}" if errors else ""
+
+
+def phases_of(phantom, kept, **choices):
+    """A phantom of which only some phases are there."""
+    class Kept(phantom.Ventricle):
+        def sheet(self, t, *rest):
+            return super().sheet(kept[t], *rest)
+    return Kept(**choices)
+
+
+def write_phases(phantom, ventricle, count, folder, noise=0.0):
+    """noise: each vertex is moved in a direction of its own by up to this."""
+    random = np.random.default_rng(0)
+    files = []
+    for t in range(count):
+        v, f = ventricle.mesh(t)
+        away = random.normal(size=v.shape)
+        v = v + noise * random.random((len(v), 1)) * away / np.linalg.norm(away, axis=1, keepdims=True)
+        files.append(Path(folder) / f"{t:02d}.ply")
+        phantom.write_ply(files[-1], v, f)
+    return files
+
+
+def cost_cells(figures):
+    u = figures["u"]
+    return [f"{figures['root_vertices']:.0f}, {figures['mean_vertices']:.0f}", f"{1000 * u:.1f}",
+            *(f"{figures[f'propagation_{kind}']:.2f} s = {figures[f'propagation_{kind}'] / u:.0f} u" for kind in ("cpu", "wall")),
+            f"{1000 * figures['remeshing_cpu']:.0f} + {1000 * figures['distances_cpu']:.0f} ms"]
+
+
+def sequences(options, measure, phantom, folder):
+    table(["data", "layers", "method", "vertices: root, mean", "u (ms)", "propagation, CPU", "propagation, wall",
+           "landmarks + their distances, CPU", "flipped faces", "error"])
+    truth = [(measure.points(v), f) for v, f in map(measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply")))]
+    data = [("real patient with known truth", sorted((options.data / "heart_truth/mc").glob("*.ply")),
+             lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)]),
+            ("real patient, cine", sorted((options.data / "heart_cine").glob("endo_*.ply")), None)]
+    for part in ("cavity", "wall"):
+        for seed in range(options.seeds):
+            ventricle = phantom.Ventricle(part, seed)
+            place = folder / f"{part}{seed}"
+            place.mkdir()
+            data.append((f"phantom, {part}, seed {seed}", write_phases(phantom, ventricle, ventricle.phases, place), ventricle.errors))
+    for name, files, errors in data:
+        files = list(map(str, files))
+        root_map = str(folder / "root_map.ply")
+        for method, label in METHODS.items():
+            figures, landmarks = run(options, files, method, root_map=root_map)
+            row([name, str(len(files)), label, *cost_cells(figures), f"{figures['flips']:.0f}", error_text([errors(landmarks)] if errors else [])])
+        if options.peer:
+            seconds, landmarks = run_peer(options.peer, root_map, files, measure)
+            row([name, str(len(files)), "peer", "", "", f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", "", "", "",
+                 error_text([errors(landmarks)] if errors else [])])
+
+
+def voxel_for(phantom, vertices):
+    """The voxel size at which the cavity's first phase has about so many vertices."""
+    voxel = phantom.VOXEL["cavity"]
+    for _ in range(3):
+        voxel *= np.sqrt(len(phantom.Ventricle("cavity", voxel=voxel).mesh(0)[0]) / vertices)
+    return voxel
+
+
+def paper(options, measure, phantom, folder):
+    table(["K", "vertices: root, mean (paper)", "root map", "propagation, as published", "propagation, robust",
+           "paper: root map, propagation (2.4 GHz)"])
+    for phases, root, mean, root_seconds, seconds in PAPER:
+        ventricle = phantom.Ventricle("cavity", phases=phases, voxel=voxel_for(phantom, root))
+        place = folder / f"paper{phases}"
+        place.mkdir()
+        files = list(map(str, write_phases(phantom, ventricle, phases, place)))
+        figures = {method: run(options, files, method)[0] for method in METHODS}
+        made = figures["robust"]
+        row([str(phases), f"{made['root_vertices']:.0f}, {made['mean_vertices']:.0f} ({root}, {mean})", f"{made['root_cpu']:.3f} s",
+             *(f"{figures[method]['propagation_cpu']:.2f} s" for method in METHODS), f"{root_seconds} s, {seconds} s"])
+
+
+def disturbed(options, measure, phantom, folder):
+    table(["phantom", "cavity: as published", "cavity: robust", "wall: as published", "wall: robust"])
+    whole = list(range(25))
+    cases = {"as it is": {}, "twisted by 10 degrees": {"twist": 10}, "every vertex moved by up to half a voxel": {"noise": 0.5},
+             "the sixth phase is missing": {"kept": whole[:5] + whole[6:]}, "every second phase": {"kept": whole[::2]}}
+    for name, choices in cases.items():
+        cells = []
+        for part in ("cavity", "wall"):
+            errors = {method: [] for method in METHODS}
+            for seed in range(options.seeds):
+                kept = choices.get("kept", whole)
+                ventricle = phases_of(phantom, kept, part=part, seed=seed, twist=choices.get("twist", 0))
+                with tempfile.TemporaryDirectory(dir=folder) as place:
+                    noise = choices.get("noise", 0) * ventricle.voxel
+                    files = list(map(str, write_phases(phantom, ventricle, len(kept), place, noise)))
+                    for method in METHODS:
+                        errors[method].append(ventricle.errors(run(options, files, method, repeat=1)[1]))
+            cells += [error_text(errors[method]) for method in METHODS]
+        row([name, *cells])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=ROOT / "build/pymeshlab/benchmarks/propagation_benchmark")
+    parser.add_argument("--data", type=Path, default=Path(os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data")))
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--peer")
+    parts = {"sequences": sequences, "paper": paper, "disturbed": disturbed}
+    parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
+    options = parser.parse_args()
+    if not (options.data.parent / "yardstick/measure.py").exists():
+        sys.exit(f"No data in {options.data}, or no yardstick beside it: name the folder with heart_cine and heart_truth.")
+    sys.path.insert(0, str(options.data.parent / "yardstick"))
+    import measure
+    import phantom
+    with tempfile.TemporaryDirectory() as folder:
+        for part in options.only:
+            parts[part](options, measure, phantom, Path(folder))
+
+
+if __name__ == "__main__":
+    main()
