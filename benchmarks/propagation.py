@@ -113,7 +113,8 @@ def sequences(options, measure, phantom, folder):
         root_map = str(folder / "root_map.ply")
         for method, label in METHODS.items():
             figures, landmarks = run(options, files, method, root_map=root_map)
-            row([name, str(len(files)), label, *cost_cells(figures), f"{figures['flips']:.0f}", error_text([errors(landmarks)] if errors else [])])
+            row([name, str(len(files)), label, *cost_cells(figures), f"{figures['flips']:.0f}",
+                 error_text([errors(landmarks)] if errors else [])])
         if options.peer:
             seconds, landmarks = run_peer(options.peer, root_map, files, measure)
             row([name, str(len(files)), "peer", "", "", f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", "", "", "",
