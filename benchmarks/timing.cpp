@@ -1,6 +1,6 @@
 #include "benchmarks/timing.h"
 
-#include <time.h>
+#include <ctime>
 
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>

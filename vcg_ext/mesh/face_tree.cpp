@@ -15,7 +15,7 @@ FaceTree::FaceTree(const Points& vertices, const Triangles& faces, double margin
   std::vector<Face> unordered(static_cast<size_t>(faces.rows()));
   struct Item {  // what is sorted: small, as it is moved about at every level
     Vector3 centre;
-    int face;
+    int face = -1;
   };
   std::vector<Item> items(unordered.size());
   for (size_t f = 0; f < items.size(); ++f) {

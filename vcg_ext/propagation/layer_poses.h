@@ -25,9 +25,9 @@ struct LayerPose {
 /// surfaces: the layers; tree: one entry per layer; a layer's pose is found relative to its parent's.
 /// Distances of shapes are those of shape_alignment.h: a layer within 0.05 R of its parent (R: the radius of the sphere
 /// of its area) is as it should be; of others the best of many poses counts where it makes the distance at least 1.6
-/// times smaller (over a heart's cycle, neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for
-/// where a difference of volumes alone rules that out.
-/// pool: who does the work, with the same result whatever the number of threads.
+/// times smaller (over a heart's cycle, neighbours or not, it makes it at most 1.4 times smaller). No pose is looked
+/// for where a difference of volumes alone rules that out. pool: who does the work, with the same result whatever the
+/// number of threads.
 std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
                                       ThreadPool& pool);
 

@@ -21,7 +21,7 @@ constexpr double equallyGood = 1.05;
 constexpr int planeIterations = 20;
 constexpr Eigen::Index fewPlanes = 200, planes = 1000;  // first by few points, then by more
 constexpr double nearlyThere = 1e-3, there = 1e-6;      // steps, in R
-constexpr double planeAgreement = 0.5;  // of normals
+constexpr double planeAgreement = 0.5;                  // of normals
 
 /// Vertices each as far as possible from those before; the first is the one farthest from the centre.
 Points spreadOver(const Points& points, const Vector3& centre) {

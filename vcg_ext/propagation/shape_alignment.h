@@ -23,7 +23,8 @@ class AlignedShape {
   double volume() const { return volume_; }           ///< enclosed
 
  private:
-  friend RigidMotion refinedByPlanes(const RigidMotion&, const AlignedShape&, const AlignedShape&, Eigen::Index, double);
+  friend RigidMotion refinedByPlanes(const RigidMotion&, const AlignedShape&, const AlignedShape&, Eigen::Index,
+                                     double);
   friend RigidMotion motionByAxes(const AlignedShape&, const AlignedShape&);
   friend RigidMotion motionFromAnywhere(const AlignedShape&, const AlignedShape&);
   friend double shapeDistance(const AlignedShape&, const AlignedShape&, const RigidMotion&);
