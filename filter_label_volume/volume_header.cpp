@@ -220,6 +220,16 @@ bool agreesWithPixdim(const Fields& f, bool second, const Eigen::Matrix4d& matri
   return true;
 }
 
+/// The file of the same name without ".gz" beside a packed one, which ITK reads in its place; empty where there is
+/// none.
+std::string unpackedTwin(const std::string& name) {
+  const fs::path path = fs::u8path(name);
+  if (path.extension() != ".gz") return "";
+  const fs::path twin = path.parent_path() / path.stem();
+  std::error_code error;
+  return fs::exists(twin, error) ? twin.u8string() : "";
+}
+
 VolumeHeader readNifti(const std::string& name) {
   GzipFile file(name);
   std::array<unsigned char, 540> head{};
@@ -249,15 +259,24 @@ VolumeHeader readNifti(const std::string& name) {
   const double claimed = product(header.size) * static_cast<double>(bytesOf(header.type));
   header.voxelsBegin = static_cast<std::int64_t>(offset);
   header.toRas = niftiMatrix(f, second, header.notes);
-  header.unusual = isSheared(*header.toRas) || !agreesWithPixdim(f, second, *header.toRas);
+  const bool oddMatrix = isSheared(*header.toRas) || !agreesWithPixdim(f, second, *header.toRas);
+  const std::string twin = unpackedTwin(name);
+  // ITK takes NaN for 0 where voxels are real numbers.
+  header.unusual = oddMatrix || !twin.empty() || header.type == VoxelType::Float || header.type == VoxelType::Double;
   header.swapped = f.swapped();
   const double slope = second ? f.get<double>(176) : static_cast<double>(f.get<float>(112));
   const double shift = second ? f.get<double>(184) : static_cast<double>(f.get<float>(116));
-  if (header.unusual && slope != 0 && (slope != 1 || shift != 0))
-    fail(
-        "its matrix is sheared, or disagrees with its pixdim, and its voxels are scaled (scl_slope), which are not "
-        "read "
-        "together");
+  if (slope != 0 && (slope != 1 || shift != 0)) {
+    if (oddMatrix)
+      fail(
+          "its matrix is sheared, or disagrees with its pixdim, and its voxels are scaled (scl_slope), which are not "
+          "read "
+          "together");
+    if (!twin.empty())
+      fail("beside it lies \"" + twin +
+           "\", which would be read in its place, since its voxels are scaled (scl_slope): move one of the two");
+    header.unusual = false;
+  }
 
   const double onDisk = sizeOfFile(fs::u8path(name));
   if (!file.compressed()) {

@@ -17,8 +17,9 @@ struct VolumeHeader {
   std::int64_t voxels = 0;         ///< their product
   bool phasesFirst = false;        ///< what ITK reads has the phase as the axis that changes fastest (NRRD's lists)
   std::optional<Eigen::Matrix4d> toRas;  ///< NIfTI: (i, j, k, 1) to mm, right-anterior-superior; else ITK tells
-  /// NIfTI: its axes are not at right angles, or lie in a plane, or are not as long as its pixdim says; ITK does not
-  /// read it.
+  /// NIfTI: ITK does not read it as it is: its axes are not at right angles, or lie in a plane, or are not as long as
+  /// its pixdim says; or its voxels are real numbers, of which ITK takes NaN for 0; or the same name without ".gz" lies
+  /// beside it, which ITK reads instead.
   bool unusual = false;
   std::int64_t voxelsBegin = 0;       ///< NIfTI: byte at which the voxels begin, when the file is unpacked
   VoxelType type = VoxelType::Uint8;  ///< NIfTI: of the voxels
@@ -35,7 +36,7 @@ struct VolumeHeader {
 /// vectors, truncated, a size that the file cannot hold or of more than 4 GB, a place in space that is not finite.
 VolumeHeader readVolumeHeader(const std::string& fileName);
 
-/// The voxels of a NIfTI file that ITK does not read because its matrix is unusual, in this machine's order of bytes.
+/// The voxels of an unusual NIfTI file, in this machine's order of bytes.
 /// Throws VolumeError when they are not all there.
 std::vector<char> readNiftiVoxels(const std::string& fileName, const VolumeHeader& header);
 

@@ -294,7 +294,10 @@ class PropagationFilter : public host::Filter {
   static PropagationTree makeTree(host::Task& task, const Sequence& sequence,
                                   const std::vector<ClosedSurface>& surfaces) {
     const int count = static_cast<int>(surfaces.size());
-    switch (static_cast<Order>(task.values.choice("order"))) {
+    const auto order = static_cast<Order>(task.values.choice("order"));
+    if (order != Order::Given && !task.values.text("parents").empty())
+      task.log("Warning: parents is not looked at, since it belongs to the order Given.");
+    switch (order) {
       case Order::Time:
         return timeOrder(count, sequence.root);
       case Order::CyclicTime:

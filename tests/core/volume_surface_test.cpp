@@ -332,7 +332,7 @@ TEST(VolumeSurface, RefusesParametersOutOfRange) {
     EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   }
   parameters.smoothing = 1;
-  for (const double bad : {-1.0, 1e-3, 1e-300, std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {-1.0, 1e-3, 1e-300, 1e3, 1e300, std::numeric_limits<double>::infinity()}) {
     parameters.interpolation.voxelSize = bad;
     EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   }

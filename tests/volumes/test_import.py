@@ -205,6 +205,8 @@ BAD = {
     "flat matrix.nii": (lambda: files.nifti(files.egg(), np.diag([1.0, 1, 0, 1])), "into a plane"),
     "image.nii": (lambda: files.nifti(files.egg(dtype="f4") * np.float32(0.37)), "first voxel", "whole numbers"),
     "nan voxels.nrrd": (lambda: files.nrrd(np.full((5, 5, 5), np.nan, "f4")), "whole numbers"),
+    "nan voxels.nii": (lambda: files.nifti(np.full((5, 5, 5), np.nan, "f4")), "whole numbers", "nan"),
+    "infinite.nii.gz": (lambda: gzip.compress(files.nifti(np.full((5, 5, 5), np.inf, "f8"))), "whole numbers", "inf"),
     "too large.nii": (lambda: files.nifti(np.full((5, 5, 5), 2**40, "i8")), "32 bits"),
     "nothing.nii": (lambda: files.nifti(np.zeros((5, 5, 5), "u1")), "all voxels are 0"),
     "other labels.nii": (lambda: files.nifti(files.egg(value=7)), "occur are 7"),
@@ -224,6 +226,16 @@ def test_bad_files(tmp_path, name):
     refused(written(tmp_path, name, make()), name, *words)
 
 
+@pytest.mark.parametrize("value", [1, 2])
+def test_the_packed_file_is_read_though_it_lies_unpacked_beside_it(tmp_path, value):
+    written(tmp_path, "egg.nii", files.nifti(files.egg((10, 9, 8), value=value)))
+    path = written(tmp_path, "egg.nii.gz", gzip.compress(files.nifti(files.egg())))
+    ms, result = imported(path)
+    assert result["label_volume"][0] == files.egg().sum()
+    path = written(tmp_path, "egg.nii.gz", gzip.compress(files.nifti(files.egg(), slope=2.0)))
+    refused(path, "egg.nii", "scl_slope", labels="2")
+
+
 def test_no_file(tmp_path):
     refused("", "file_name is empty")
     refused(tmp_path / "none.nii", "no such file")
@@ -232,7 +244,8 @@ def test_no_file(tmp_path):
 
 @pytest.mark.parametrize("parameters, word", [
     ({"labels": "one"}, "whole numbers"), ({"labels": ""}, "empty"), ({"labels": "0"}, "background"), ({"labels": "1,9"}, "label 9"),
-    ({"voxel_size": -1}, "voxel_size"), ({"voxel_size": 0.001}, "larger voxel_size"), ({"smoothing": 9}, "smoothing"), ({"longest_gap": -1}, "gap")])
+    ({"voxel_size": -1}, "voxel_size"), ({"voxel_size": 0.001}, "larger voxel_size"), ({"voxel_size": 100}, "smaller voxel_size"),
+    ({"voxel_size": 1e12}, "box of 16 x 13 x 12 mm"), ({"smoothing": 9}, "smoothing"), ({"longest_gap": -1}, "gap")])
 def test_bad_parameters(tmp_path, parameters, word):
     refused(written(tmp_path, "egg.nii", files.nifti(files.egg())), word, **parameters)
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int margin = 4;            // samples of the working grid round the labels
 constexpr double largestGrid = 2e8;  // samples
+constexpr double mostPadding = 8;    // voxels with room for the working grid's margin, by those of the label's box
 constexpr double anisotropy = 1.5;
 // How much smaller one of the slices beside a gap may be: far apart, they differ more.
 constexpr double leastShareAcross = 0.1, leastShareInSpace = 0.5;
@@ -81,9 +82,18 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
     if (spacing[axis] > spacing[last] * (1 + 1e-6)) last = axis;
   const std::array<int, 3> axes{(last + 1) % 3, (last + 2) % 3, last};
   Eigen::Vector3i padded;
+  const Vector3 box = (high - low).cast<double>().array() + 1,
+                pads = (room * spacing.cwiseInverse()).array().ceil() + 1;
+  if ((box + 2 * pads).prod() > std::max(largestGrid, mostPadding * box.prod())) {
+    std::ostringstream text;
+    const Vector3 size = box.cwiseProduct(spacing);
+    text << "The voxel_size is too large for this label, which lies in a box of " << size[0] << " x " << size[1]
+         << " x " << size[2] << " mm. Choose a smaller voxel_size.";
+    throw ParameterError(text.str());
+  }
   for (int a = 0; a < 3; ++a) {
     const int axis = axes[static_cast<size_t>(a)];
-    const int pad = static_cast<int>(std::ceil(room / spacing[axis])) + 1;
+    const int pad = static_cast<int>(pads[axis]);
     stack.spacing[a] = spacing[axis];
     stack.first[a] = low[axis] - pad;
     padded[a] = high[axis] - low[axis] + 1 + 2 * pad;

@@ -36,8 +36,8 @@ struct InterpolatedLabels {
 /// else the one beyond is another part, and the gap stays.
 ///
 /// Throws AbsentLabelError when no voxel has one of the labels (the text lists those that occur); VolumeError when the
-/// labels are no sound grid; ParameterError when a parameter is out of range or the grid would have more than 2e8
-/// samples.
+/// labels are no sound grid; ParameterError when a parameter is out of range, the grid would have more than 2e8
+/// samples, or the cubes are too large for the label.
 InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpolationParameters& parameters = {});
 
 }  // namespace sphere_propagation
