@@ -6,15 +6,13 @@
 namespace sphere_propagation {
 
 int minimiseInStages(AreaMinimiser& minimiser, const AreaEnergyWeights& weights, Points& positions,
-                     const Progress& progress, AreaSchedule schedule) {
+                     const Progress& progress, const AreaSchedule& schedule) {
   constexpr double decay = 0.25;   // of the shape weight, from stage to stage
   constexpr int stepsAtMost = 80;  // of a stage
   const double last = weights.shape;
   const int stages = last >= schedule.firstShape
                          ? 1
                          : 1 + static_cast<int>(std::ceil(std::log(last / schedule.firstShape) / std::log(decay)));
-  // Shapes have a minimum far above 0: what a step gains looks small beside it.
-  if (stages == 1) schedule.atTheEnd = std::max(schedule.atTheEnd, 0.9997);
   AreaStepParameters step;
   step.weights = weights;
   step.damping = 0.003;

@@ -22,6 +22,6 @@ struct AreaSchedule {
 /// positions: #V by 3 unit vectors, admissible (see AreaMinimiser); changed in place. Returns the number of global
 /// steps taken.
 int minimiseInStages(AreaMinimiser& minimiser, const AreaEnergyWeights& weights, Points& positions,
-                     const Progress& progress = {}, AreaSchedule schedule = {});
+                     const Progress& progress = {}, const AreaSchedule& schedule = {});
 
 }  // namespace sphere_propagation

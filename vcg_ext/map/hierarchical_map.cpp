@@ -190,8 +190,10 @@ class Refinement {
     std::vector<FaceTarget> targets = faceTargets(mesh_->points(), rings.faces);
     // Of large meshes more would cost much and be seen in the figures alone.
     const bool isLarge = mesh_->allVertices() > 100000;
-    const AreaSchedule schedule{0.5 * weightsAt(mesh_->allVertices()).shape, 0.96, isLarge ? 0.985 : 0.998,
-                                isLarge ? 60 : 100};
+    AreaSchedule schedule{0.5 * weightsAt(mesh_->allVertices()).shape, 0.96, isLarge ? 0.985 : 0.998,
+                          isLarge ? 60 : 100};
+    // Shapes have a minimum far above 0: what a step gains looks small beside it.
+    if (final_.area == 0 || (final_.shape > schedule.firstShape && !isLarge)) schedule.atTheEnd = 0.9997;
     mesh_.reset();
     AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
     result_.steps = minimiseInStages(minimiser, final_, positions_, part(progress, 0, 0.7), schedule);
