@@ -181,7 +181,7 @@ class ImportFilter : public host::Filter {
       labelText += (labelText.back() == 'l' ? " " : "+") + std::to_string(label);
 
     std::vector<Figures> figures;
-    long skipped = 0;
+    long skipped = 0, replaced = 0;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
       const std::string stem = stemOf(files[static_cast<size_t>(f)]);
@@ -200,6 +200,7 @@ class ImportFilter : public host::Filter {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
           figures.emplace_back(surface, phase, stopwatch.seconds());
+          if (isThere(task.layers, name)) ++replaced;
           addLayer(task, name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
           if (!skip)
@@ -217,6 +218,10 @@ class ImportFilter : public host::Filter {
                              "\"; all were skipped.");
     if (skipped > 0)
       task.log(counted(skipped, "phase was", "phases were") + " skipped, because a label is missing in them");
+    if (replaced > 0)
+      task.log("Note: " + counted(replaced, "layer", "layers") +
+               " of the same name replaced. Where another patient's file has the same name, rename the file or the "
+               "layers before the import.");
     task.changes.makeFirstNewLayerCurrent();
     return outputsOf(figures);
   }
@@ -253,6 +258,11 @@ class ImportFilter : public host::Filter {
 
   static std::string place(const std::string& file, int phase, int phases) {
     return "\"" + file + "\"" + (phases > 1 ? ", phase " + std::to_string(phase) : "") + ": ";
+  }
+
+  static bool isThere(const host::Layers& layers, const std::string& name) {
+    const std::vector<host::Layer> surfaces = layers.all(host::LayerKind::Surface);
+    return std::any_of(surfaces.begin(), surfaces.end(), [&](const host::Layer& l) { return l.label() == name; });
   }
 
   static void addLayer(host::Task& task, const std::string& name, const VolumeSurfaceParameters& parameters,
