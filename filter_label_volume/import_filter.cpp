@@ -200,8 +200,7 @@ class ImportFilter : public host::Filter {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
           figures.emplace_back(surface, phase, stopwatch.seconds());
-          if (isThere(task.layers, name)) ++replaced;
-          addLayer(task, name, parameters, std::move(surface));
+          if (addLayer(task, name, parameters, std::move(surface))) ++replaced;
         } catch (const AbsentLabelError& error) {
           if (!skip)
             throw AbsentLabelError(place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
@@ -260,12 +259,8 @@ class ImportFilter : public host::Filter {
     return "\"" + file + "\"" + (phases > 1 ? ", phase " + std::to_string(phase) : "") + ": ";
   }
 
-  static bool isThere(const host::Layers& layers, const std::string& name) {
-    const std::vector<host::Layer> surfaces = layers.all(host::LayerKind::Surface);
-    return std::any_of(surfaces.begin(), surfaces.end(), [&](const host::Layer& l) { return l.label() == name; });
-  }
-
-  static void addLayer(host::Task& task, const std::string& name, const VolumeSurfaceParameters& parameters,
+  /// Returns whether it takes the place of another one.
+  static bool addLayer(host::Task& task, const std::string& name, const VolumeSurfaceParameters& parameters,
                        VolumeSurface surface) {
     if (parameters.cutHandles && parameters.keepLargestComponent) {
       const ClosedSurface sphere(surface.vertices, surface.faces, name);  // what was promised is checked
@@ -274,7 +269,7 @@ class ImportFilter : public host::Filter {
     layer.label = name;
     layer.vertices = std::move(surface.vertices);
     layer.faces = std::move(surface.faces);
-    task.changes.addLayer(layer);
+    return task.changes.addLayer(layer);
   }
 };
 

@@ -126,7 +126,7 @@ void Changes::setQuality(const Layer& layer, const MeshSurface& surface, Eigen::
   qualities_.push_back({layer.id(), surface.meshVertex, std::move(ofVertices), std::move(ofFaces)});
 }
 
-void Changes::addLayer(const NewLayer& layer) {
+bool Changes::addLayer(const NewLayer& layer) {
   const auto taken = [this](int id) {
     return std::any_of(layers_.begin(), layers_.end(), [id](const LayerChange& c) { return c.replacedId == id; });
   };
@@ -138,6 +138,7 @@ void Changes::addLayer(const NewLayer& layer) {
     if (replaced < 0 && !taken(mesh->id()) && label(*mesh) == layer.label && Layer(*mesh).kind() == layer.kind)
       replaced = mesh->id();
   layers_.push_back({layer.label, replaced, makeMesh(layer), layer.matrix});
+  return replaced >= 0;
 }
 
 void Changes::removeOtherLayers(LayerKind kind) {

@@ -52,7 +52,8 @@ class Changes {
   /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
   /// run made, replaces what that one holds. A file name's ending behind that label is overlooked, but not in layers of
   /// a model: one that was loaded is there to be compared with.
-  void addLayer(const NewLayer& layer);
+  /// Returns whether it takes the place of another one.
+  bool addLayer(const NewLayer& layer);
 
   /// Removes the layers of this kind that an earlier run made and this one does not replace. Called after the last
   /// addLayer. What was loaded from a file, by its name, stays.
