@@ -105,9 +105,10 @@ void run(const Options& options) {
   std::vector<RootMapResult> rootMap;
   const Cost ofRoot(options.repeat, [&] { rootMap = {makeRootMap(root, rootParameters)}; });
   Propagation made;
-  const Cost ofPropagation(options.repeat, [&] {
-    made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), options.parameters);
-  });
+  PropagationParameters parameters = options.parameters;
+  if (options.order == "cyclic") parameters.closing = closingArc(static_cast<int>(surfaces.size()), options.root);
+  const Cost ofPropagation(
+      options.repeat, [&] { made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), parameters); });
   const Icosphere sphere = icosphere(10);
   std::vector<Points> landmarks(surfaces.size());
   const Cost ofRemeshing(options.repeat, [&] {

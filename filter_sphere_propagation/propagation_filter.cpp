@@ -90,7 +90,8 @@ class PropagationFilter : public host::Filter {
         "the tree; each vertex takes the sphere position at the closest point of the moved root whose normal agrees, "
         "and "
         "faces that flip are untangled locally. How much tissue tends to travel, stretch and turn is learnt from the "
-        "sequence where it has twelve layers or more. All layers must share one unit; one that lies in another pose is "
+        "sequence where it has twelve layers or more. In Cyclic time each layer is reached both ways round, and the "
+        "motions are averaged. All layers must share one unit; one that lies in another pose is "
         "laid on its parent for the fit (the log says so). A layer "
         "that the "
         "fit loses gets the map of its parent instead (the log says so), "
@@ -98,7 +99,8 @@ class PropagationFilter : public host::Filter {
         "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
         "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
         "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
-        "came from, -1 for the root; <b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from "
+        "came from, -1 for the root (of the tree, also where both ways round were averaged); <b>residual_mean</b>, "
+        "<b>residual_p95</b>: distance of the layer's vertices from "
         "the "
         "surface that was brought onto it (Robust: the moved root; As published: the parent), in the mesh's unit; "
         "<b>repaired_faces</b>: faces that were flipped before the "
@@ -194,6 +196,9 @@ class PropagationFilter : public host::Filter {
           "translation " +
           shortNumber(propagated.learnt->translation) + ", strain " + shortNumber(propagated.learnt->strain) +
           ", rotation " + shortNumber(propagated.learnt->rotation));
+    if (parameters.closing && parameters.method == PropagationMethod::Robust)
+      task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) + " of " +
+               counted(tree.size() - 1, "layer", "layers"));
     host::Outputs outputs = write(task, sequence, propagated.layers);
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;

@@ -45,6 +45,7 @@ TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
   const MotionModel model = sequence.model();
   const MotionFit fit =
       fitMotion(model, motionTargets(sequence.surfaces, pool), timeOrder(6, 0), fixedMotionPrior(), pool);
+  EXPECT_EQ(fit.lost, std::vector<char>(6, 0));
   for (int t = 1; t < 6; ++t) {
     const SurfaceLocator locator(sequence.surfaces[t].vertices(), sequence.surfaces[t].faces());
     const Points moved = model.movedNodes(fit.coefficients[t]);
@@ -52,6 +53,16 @@ TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
     for (Eigen::Index i = 0; i < moved.rows(); ++i) sum += locator.closest(moved.row(i).transpose()).distance;
     EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
   }
+}
+
+TEST(MotionFit, SaysWhichLayersItLoses) {
+  Sequence sequence(4, Vector3::Zero(), 0.1);
+  Points far = sequence.surfaces[2].vertices();
+  far.rowwise() += Eigen::RowVector3d(500, 0, 0);
+  sequence.surfaces[2] = ClosedSurface(far, sequence.surfaces[2].faces(), "far away");
+  const MotionFit fit =
+      fitMotion(sequence.model(), motionTargets(sequence.surfaces, pool), timeOrder(4, 0), fixedMotionPrior(), pool);
+  EXPECT_EQ(fit.lost, (std::vector<char>{0, 0, 1, 1}));  // and what comes from it
 }
 
 TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {

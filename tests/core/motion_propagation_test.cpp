@@ -27,8 +27,8 @@ struct Contraction {
       surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
     }
   }
-  FollowedMotion follow(const PropagationTree& tree) const {
-    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree, pool);
+  FollowedMotion follow(const PropagationTree& tree, const std::optional<Arc>& closing = {}) const {
+    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree, pool, {}, closing);
   }
 };
 
@@ -78,6 +78,49 @@ TEST(MotionPropagation, GivesUpLayersThatItLosesAndThoseBehind) {
   EXPECT_TRUE(followed.layers[1]);
   EXPECT_FALSE(followed.layers[2]);
   EXPECT_FALSE(followed.layers[3]);
+}
+
+TEST(MotionPropagation, AveragesBothWaysRoundACycle) {
+  const Contraction sequence(12);
+  const PropagationTree tree = cyclicTimeOrder(12, 0);
+  const FollowedMotion open = sequence.follow(tree), closed = sequence.follow(tree, closingArc(12, 0));
+  EXPECT_FALSE(open.closing);
+  ASSERT_TRUE(closed.closing);
+  EXPECT_EQ(closed.closing->brought.positions(), open.layers[7]->transferred.map.positions());  // nothing averaged
+  for (int t = 1; t < 12; ++t) {
+    ASSERT_TRUE(closed.layers[t]) << t;
+    const Points& found = closed.layers[t]->transferred.map.positions();
+    EXPECT_LT((found - sequence.maps[t]).rowwise().norm().mean(), 0.03) << t;
+    EXPECT_NE(found, open.layers[t]->transferred.map.positions());
+  }
+}
+
+TEST(MotionPropagation, WhatOneWayRoundACycleLosesComesTheOtherWay) {
+  Contraction sequence(6);
+  test::Mesh far{sequence.surfaces[2].vertices(), sequence.surfaces[2].faces()};
+  far.vertices.rowwise() += Eigen::RowVector3d(500, 0, 0);
+  sequence.surfaces[2] = ClosedSurface(far.vertices, far.faces, "far away");
+  const PropagationTree tree = cyclicTimeOrder(6, 0);  // 0 1 2 3 and 0 5 4
+  const FollowedMotion open = sequence.follow(tree), closed = sequence.follow(tree, closingArc(6, 0));
+  EXPECT_FALSE(open.layers[3]);  // it lies behind
+  EXPECT_FALSE(closed.layers[2]);
+  for (int t : {1, 3, 4, 5}) {
+    ASSERT_TRUE(closed.layers[t]) << t;
+    const Points& found = closed.layers[t]->transferred.map.positions();
+    EXPECT_LT((found - sequence.maps[t]).rowwise().norm().mean(), 0.03) << t;
+  }
+}
+
+TEST(MotionPropagation, ACycleIsTheSameWithAnyNumberOfThreads) {
+  const Contraction sequence(12);
+  const PropagationTree tree = cyclicTimeOrder(12, 0);
+  ThreadPool one(1), several(3);
+  const SphereMap rootMap(sequence.surfaces[0], sequence.maps[0]);
+  const FollowedMotion a = followMotion(sequence.surfaces, rootMap, tree, one, {}, closingArc(12, 0)),
+                       b = followMotion(sequence.surfaces, rootMap, tree, several, {}, closingArc(12, 0));
+  for (int t = 1; t < 12; ++t)
+    EXPECT_EQ(a.layers[t]->transferred.map.positions(), b.layers[t]->transferred.map.positions());
+  EXPECT_EQ(a.closing->carried.positions(), b.closing->carried.positions());
 }
 
 }  // namespace

@@ -103,6 +103,31 @@ TEST(PropagationTree, TheClosingArcIsTheOneThatTheCycleLacks) {
     }
 }
 
+TEST(PropagationTree, ACycleIsClosedByItsArc) {
+  for (int layers = 2; layers < 9; ++layers)
+    for (int root = 0; root < layers; ++root) {
+      const ClosedCycle cycle = closedCycle(cyclicTimeOrder(layers, root), closingArc(layers, root));
+      ASSERT_EQ(cycle.layers.size(), static_cast<size_t>(layers));
+      for (int step = 0; step < layers; ++step) EXPECT_EQ(cycle.layers[step], (root + step) % layers);
+      EXPECT_EQ(cycle.forward, layers / 2);
+      std::vector<int> reached;
+      for (const bool forward : {true, false})
+        for (const auto& [from, to] : cycle.arcsBeyond(forward)) {
+          EXPECT_EQ(to, (from + (forward ? 1 : layers - 1)) % layers);
+          reached.push_back(to);
+        }
+      std::sort(reached.begin(), reached.end());
+      std::vector<int> others;
+      for (int i = 0; i < layers; ++i)
+        if (i != root) others.push_back(i);
+      EXPECT_EQ(reached, others);  // each layer comes the other way round, too
+    }
+  EXPECT_EQ(closedCycle(timeOrder(4, 0), {3, 0}).forward, 3);
+  EXPECT_TRUE(closedCycle(star(4, 0), {1, 2}).layers.empty());
+  EXPECT_TRUE(closedCycle(timeOrder(5, 2), {3, 1}).layers.empty());  // 4 and 0 are left out
+  EXPECT_TRUE(closedCycle(timeOrder(4, 0), {3, 1}).layers.empty());  // 1 would come twice
+}
+
 TEST(PropagationTree, TheCentreIsTheBestRootOfTheSameTree) {
   EXPECT_EQ(timeOrder(9, 0).centre(), 4);
   EXPECT_EQ(timeOrder(9, 0).farthestFrom(0), 8);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "vcg_ext/base/dense_kernels.h"
@@ -13,8 +14,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int iterations = 3, iterationsAgain = 2;  // per arc, without and with an earlier fit
-constexpr double agreement = 0.5;                   // least dot product of a layer's face normal with the template's
+constexpr double agreement = 0.5;  // least dot product of a layer's face normal with the template's
 constexpr int local = MotionModel::localColumns, affine = MotionModel::affineColumns, all = MotionModel::columns;
 
 // Learning, all variances in units of A0/2.
@@ -41,6 +41,7 @@ struct DataTerm {
   Eigen::VectorXd weights;  // of the nodes; zero where no face of the layer agrees
   Points directions;        // m_i
   Points pull;              // w_i (m_i . (p_i - x_i)) m_i
+  double distance;          // mean, of the nodes with which a face agrees
 };
 
 /// nearby: for each node a face of the layer to look at first, -1 where there is none; the closest ones on return.
@@ -60,7 +61,8 @@ DataTerm dataTermAt(const MotionModel& model, const MotionTarget& target, const 
   }
   const double scale = std::max(4 * medianOf(distances), target.meanEdge);
   const double unit = 0.5 * model.meanVertexArea() / (target.meanVertexArea * target.meanVertexArea);
-  DataTerm data{Eigen::VectorXd::Zero(count), Points::Zero(count, 3), Points::Zero(count, 3)};
+  const double mean = std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size());
+  DataTerm data{Eigen::VectorXd::Zero(count), Points::Zero(count, 3), Points::Zero(count, 3), mean};
   for (Eigen::Index i = 0; i < count; ++i) {
     const SurfacePoint& point = closest[static_cast<size_t>(i)];
     if (point.face < 0) continue;
@@ -174,17 +176,17 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
 }
 
 ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
-              const MotionPrior& prior, const Eigen::VectorXd& earlierStep) {
-  ArcFit fit{before, {}};
-  const bool again = earlierStep.size() > 0;
-  if (again) fit.coefficients += earlierStep;
+              const MotionPrior& prior, const Eigen::VectorXd& start, int iterations) {
+  ArcFit fit{before, {}, 0};
+  if (start.size() > 0) fit.coefficients += start;
   std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
   ArcEquations& e = fit.equations;
-  for (int i = 0; i < (again ? iterationsAgain : iterations); ++i) {
+  for (int i = 0; i < iterations; ++i) {
     const DataTerm data = dataTermAt(model, target, fit.coefficients, nearby);
     e.matrix = informationOf(model, data) / prior.noise;
     e.vector = model.projectAll(data.pull) / prior.noise + e.matrix * (fit.coefficients - before);
     fit.coefficients = before + (e.matrix + prior.precision).llt().solve(e.vector);
+    fit.distance = data.distance;
   }
   return fit;
 }
@@ -195,16 +197,19 @@ MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& t
   MotionFit fit;
   fit.coefficients.assign(targets.size(), Eigen::VectorXd::Zero(all));
   fit.equations.resize(targets.size());
+  fit.lost.assign(targets.size(), 0);
   const std::vector<std::vector<int>> levels = tree.levels();
   size_t done = 1;
   for (size_t level = 1; level < levels.size(); ++level) {
     pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
       const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
       const auto s = static_cast<size_t>(tree.parent[t]);
-      const Eigen::VectorXd step = earlier.empty() ? Eigen::VectorXd() : earlier[t] - earlier[s];
-      ArcFit arc = fitArc(model, targets[t], fit.coefficients[s], prior, step);
+      const Eigen::VectorXd start = earlier.empty() ? Eigen::VectorXd() : earlier[t] - earlier[s];
+      ArcFit arc = fitArc(model, targets[t], fit.coefficients[s], prior, start,
+                          earlier.empty() ? arcIterations : arcIterationsAgain);
       fit.coefficients[t] = std::move(arc.coefficients);
       fit.equations[t] = std::move(arc.equations);
+      fit.lost[t] = fit.lost[s] || !(arc.distance <= mostDistanceInEdges * targets[t].meanEdge) ? 1 : 0;
     });
     done += levels[level].size();
     report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));

@@ -57,17 +57,24 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
 struct ArcFit {
   Eigen::VectorXd coefficients;
   ArcEquations equations;
+  double distance = 0;  ///< mean, of the nodes from their closest points, when those were last looked for; NaN: none
 };
 
-/// Fits one layer. before: the coefficients of the layer that it comes from; earlierStep: what another fit of this arc
-/// added to them, to start with (two iterations instead of three), or of size 0.
+/// Iterations of an arc's fit that starts where the last one ended, and of one that another fit has gone before.
+constexpr int arcIterations = 3, arcIterationsAgain = 2;
+
+/// Fits one layer. before: the coefficients of the layer that it comes from; start: what to add to them before the
+/// first of the iterations, or of size 0: nothing.
 ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
-              const MotionPrior& prior, const Eigen::VectorXd& earlierStep = {});
+              const MotionPrior& prior, const Eigen::VectorXd& start = {}, int iterations = arcIterations);
 
 struct MotionFit {
   std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
   std::vector<ArcEquations> equations;        ///< of each layer; empty at the root
+  /// Of each layer, whether the nodes lie farther off than this, or those of a layer that it comes from.
+  std::vector<char> lost;
 };
+constexpr double mostDistanceInEdges = 2;  ///< mean edge lengths of the layer, on average over the nodes
 
 /// Fits all layers of a tree. targets: the layers; tree: with the moving surface as root. pool: who does the work;
 /// layers equally far from the root are fitted at once, with the same result. earlier: coefficients of a fit of the

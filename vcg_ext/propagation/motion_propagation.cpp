@@ -5,6 +5,7 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/propagation/motion_cycle.h"
 
 namespace sphere_propagation {
 namespace {
@@ -44,27 +45,52 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
     earlier = std::move(learnt.coefficients);
   }
   const MotionFit fit = fitMotion(model, targets, tree, prior, pool, part(progress, learns ? 0.5 : 0, 0.75), earlier);
+  const ClosedCycle cycle = closing ? closedCycle(tree, *closing) : ClosedCycle{};
+  const bool closes = !cycle.layers.empty();
+  std::vector<Eigen::VectorXd> motion = fit.coefficients, around;
+  if (closes) {
+    around = fitOtherWayRound(model, targets, cycle, fit, prior, pool);
+    motion = averageOfBothWays(model, targets, cycle, fit.coefficients, around);
+  }
   const double share = fitting.seconds() / static_cast<double>(surfaces.size() - 1);
 
+  const auto isThere = [&](int i) { return i == tree.root() || followed.layers[static_cast<size_t>(i)]; };
+  const auto read = [&](int layer, const Eigen::VectorXd& coefficients) {
+    const auto i = static_cast<size_t>(layer);
+    const Stopwatch reading;
+    std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(coefficients), surfaces[i]);
+    if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
+  };
   size_t done = 0;
   for (const std::vector<int>& level : tree.levels()) {
     pool.forEach(static_cast<int>(level.size()), [&](int k) {
-      const auto i = static_cast<size_t>(level[static_cast<size_t>(k)]);
-      const int parent = tree.parent[i];
-      const bool parentIsThere = parent == tree.root() || (parent >= 0 && followed.layers[static_cast<size_t>(parent)]);
-      if (!parentIsThere) return;
-      const Stopwatch reading;
-      std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(fit.coefficients[i]), surfaces[i]);
-      if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
+      const int t = level[static_cast<size_t>(k)];
+      const auto i = static_cast<size_t>(t);
+      if (t == tree.root() || !isThere(tree.parent[i])) return;
+      read(t, motion[i]);
+      if (!isThere(t) && motion[i] != fit.coefficients[i]) {
+        motion[i] = fit.coefficients[i];
+        read(t, motion[i]);
+      }
     });
     done += level.size();
     report(progress, 0.75 + 0.25 * static_cast<double>(done) / static_cast<double>(surfaces.size()));
   }
-  if (closing && (closing->from == tree.root() || followed.layers[static_cast<size_t>(closing->from)])) {
+  if (closes)
+    for (const bool forwardBranch : {true, false})
+      for (const auto& [from, to] : cycle.arcsBeyond(forwardBranch))
+        if (isThere(from) && !isThere(to)) read(to, around[static_cast<size_t>(to)]);
+  for (size_t i = 0; i < motion.size(); ++i) followed.averaged += motion[i] != fit.coefficients[i] ? 1 : 0;
+  if (closing && isThere(closing->from) && isThere(closing->to)) {
     const auto from = static_cast<size_t>(closing->from), to = static_cast<size_t>(closing->to);
-    const ArcFit arc = fitArc(model, targets[to], fit.coefficients[from], prior);
-    std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(arc.coefficients), surfaces[to]);
-    if (map) followed.closing = std::move(map->map);
+    const auto mapOf = [&](const Eigen::VectorXd& coefficients) {
+      return readMap(root, rootMap, model.movedVertices(coefficients), surfaces[to]);
+    };
+    const bool beyond = closes && closing->to != tree.root();
+    std::optional<TransferredMap> carried =
+        mapOf(beyond ? around[to] : fitArc(model, targets[to], fit.coefficients[from], prior).coefficients);
+    std::optional<TransferredMap> brought = mapOf(fit.coefficients[to]);
+    if (carried && brought) followed.closing = ClosingMaps{std::move(carried->map), std::move(brought->map)};
   }
   return followed;
 }

@@ -26,16 +26,25 @@ struct FollowedLayer {
   double seconds = 0;  ///< wall clock: its reading, and its share of the fits
 };
 
+/// Two maps of the layer where a closing arc ends.
+struct ClosingMaps {
+  SphereMap carried;  ///< that the arc carries there
+  SphereMap brought;  ///< that the tree brings there, nothing averaged
+};
+
 struct FollowedMotion {
   /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too large, its map cannot
-  /// be repaired, or the layer that it comes from was lost.
+  /// be repaired, or the layer that it comes from was lost. In a cycle, only where both ways round are lost.
   std::vector<std::optional<FollowedLayer>> layers;
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
-  std::optional<SphereMap> closing;       ///< the map that the closing arc carries to its end; empty where it is lost
+  std::optional<ClosingMaps> closing;     ///< empty where one of them is lost
+  int averaged = 0;                       ///< layers where both ways round a cycle agree, and are averaged
 };
 
 /// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer; pool: who does the work,
-/// with the same result whatever the number of threads; closing: an arc beside the tree, which changes nothing in it.
+/// with the same result whatever the number of threads; closing: an arc beside the tree. Where the two make a cycle of
+/// all layers, each layer's motion is the average of both ways round (motion_cycle.h), and what one way loses comes the
+/// other way.
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {},
                             const std::optional<Arc>& closing = {});

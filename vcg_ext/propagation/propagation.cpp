@@ -170,8 +170,11 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
   std::optional<MapDifference> closing;
   if (parameters.closing) {
     const auto [from, to] = *parameters.closing;
-    if (!followed.closing) followed.closing = propagateArc(placed[from], layers[from]->map, placed[to], parameters).map;
-    closing = differenceOf(surfaces[to], *followed.closing, layers[to]->map);
+    if (followed.closing)
+      closing = differenceOf(surfaces[to], followed.closing->carried, followed.closing->brought);
+    else
+      closing = differenceOf(surfaces[to], propagateArc(placed[from], layers[from]->map, placed[to], parameters).map,
+                             layers[to]->map);
   }
   // In a second round: children have read the map of their parent as it was.
   if (restores)
@@ -182,6 +185,7 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
     });
   Propagation result;
   result.learnt = followed.learnt;
+  result.averaged = followed.averaged;
   result.closing = closing;
   result.layers.reserve(layers.size());
   for (size_t i = 0; i < layers.size(); ++i) {

@@ -26,7 +26,9 @@ struct PropagationParameters {
   /// In [0, 1]: how far each layer's map is moved towards area preservation in the end (area_restoration.h). What goes
   /// down the tree is the map before that, and the root keeps the map that it has.
   double areaRestoration = 0;
-  /// An arc of layers that close a cycle, beside the tree: its map is compared with the one that the tree brings.
+  /// An arc of layers that close a cycle, beside the tree: its map is compared with the one that the tree brings. Where
+  /// it joins the ends of the tree's two branches (closingArc), method Robust averages both ways round
+  /// (motion_cycle.h).
   std::optional<Arc> closing = {};
   int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any number
 };
@@ -59,6 +61,7 @@ struct Propagation {
       layers;  ///< one entry per layer, in layer order; the root has rootMap as it is, and zeros
   /// Where the closing arc ends: between the map that it carries there and the one that the tree does.
   std::optional<MapDifference> closing;
+  int averaged = 0;  ///< by method Robust in a closed cycle: layers whose motion is the average of both ways round
   std::optional<MotionVariances> learnt;  ///< by method Robust, where there was enough to learn from (motion_fit.h)
 };
 

@@ -115,6 +115,30 @@ Arc closingArc(int layers, int root) {
   return {from, (from + 1) % layers};
 }
 
+std::vector<Arc> ClosedCycle::arcsBeyond(bool forwardBranch) const {
+  const int count = static_cast<int>(layers.size());
+  std::vector<Arc> arcs;
+  const auto at = [&](int step) { return layers[step % count]; };
+  if (forwardBranch)
+    for (int step = forward + 1; step < count; ++step) arcs.push_back({at(step - 1), at(step)});
+  else
+    for (int step = forward; step > 0; --step) arcs.push_back({at(step + 1), at(step)});
+  return arcs;
+}
+
+ClosedCycle closedCycle(const PropagationTree& tree, const Arc& closing) {
+  ClosedCycle cycle;
+  for (int i = closing.from; i >= 0; i = tree.parent[i]) cycle.layers.push_back(i);
+  std::reverse(cycle.layers.begin(), cycle.layers.end());
+  cycle.forward = static_cast<int>(cycle.layers.size()) - 1;
+  for (int i = closing.to; i >= 0 && i != tree.root(); i = tree.parent[i]) cycle.layers.push_back(i);
+  std::vector<int> sorted = cycle.layers;
+  std::sort(sorted.begin(), sorted.end());
+  const bool once = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+  if (!once || sorted.size() != tree.parent.size()) return {};
+  return cycle;
+}
+
 PropagationTree star(int layers, int root) {
   requireRoot(layers, root);
   std::vector<int> parent(static_cast<size_t>(layers), root);

@@ -48,6 +48,17 @@ PropagationTree cyclicTimeOrder(int layers, int root);
 /// forward to the last of the other. layers >= 2; errors as in timeOrder.
 Arc closingArc(int layers, int root);
 
+/// A tree that an arc makes a circle, as the layers lie on it.
+struct ClosedCycle {
+  std::vector<int> layers;  ///< once round, the root first; empty where tree and arc make no circle of all layers
+  int forward = 0;  ///< where in it the arc begins: the layers up to there make one branch, the others the other
+  /// The arcs that carry the branch that goes forward, or the other one, on to the layers of the other branch.
+  std::vector<Arc> arcsBeyond(bool forwardBranch) const;
+};
+
+/// The circle of a tree and an arc that joins the ends of its two branches (closingArc), in the direction of the arc.
+ClosedCycle closedCycle(const PropagationTree& tree, const Arc& closing);
+
 /// Every layer gets its map from the root itself. Parameters and errors as in timeOrder.
 PropagationTree star(int layers, int root);
 

@@ -1,0 +1,46 @@
+#include "vcg_ext/propagation/motion_cycle.h"
+
+#include <cstddef>
+
+namespace sphere_propagation {
+
+std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const std::vector<MotionTarget>& targets,
+                                              const ClosedCycle& cycle, const MotionFit& fit, const MotionPrior& prior,
+                                              ThreadPool& pool) {
+  const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
+  std::vector<Eigen::VectorXd> around(targets.size(), Eigen::VectorXd::Zero(MotionModel::columns));
+  pool.forEach(2, [&](int chain) {
+    Eigen::VectorXd here;
+    for (const auto& [start, end] : cycle.arcsBeyond(chain == 0)) {
+      const auto from = static_cast<size_t>(start), to = static_cast<size_t>(end);
+      if (here.size() == 0) here = brought[from];
+      // It starts beside what the tree brought to the layer, as far as it was beside it before: the nodes lie on the
+      // layer then, and one iteration does.
+      here = fit.lost[from] || fit.lost[to]
+                 ? fitArc(model, targets[to], here, prior).coefficients
+                 : fitArc(model, targets[to], here, prior, brought[to] - brought[from], 1).coefficients;
+      around[to] = here;
+    }
+  });
+  return around;
+}
+
+double forwardShare(int step, int layers) { return 0.75 - 0.5 * step / layers; }
+
+std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const std::vector<MotionTarget>& targets,
+                                               const ClosedCycle& cycle, const std::vector<Eigen::VectorXd>& brought,
+                                               const std::vector<Eigen::VectorXd>& otherWayRound) {
+  std::vector<Eigen::VectorXd> average = brought;
+  const int layers = static_cast<int>(cycle.layers.size());
+  for (int step = 1; step < layers; ++step) {
+    const auto t = static_cast<size_t>(cycle.layers[static_cast<size_t>(step)]);
+    const Eigen::VectorXd apart = otherWayRound[t] - brought[t];
+    const Points nodesApart = model.movedNodes(apart) - model.nodes();
+    if (!(nodesApart.rowwise().norm().mean() <= mostApartInEdges * targets[t].meanEdge)) continue;
+    const double forward = forwardShare(step, layers);
+    average[t] += (step <= cycle.forward ? 1 - forward : forward) * apart;
+  }
+  return average;
+}
+
+}  // namespace sphere_propagation
