@@ -7,7 +7,10 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/map/root_map.h"
+#include "vcg_ext/map/sphere_locator.h"
 #include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/remeshing/icosphere_remesher.h"
 #include "vcg_ext/remeshing/landmark_colors.h"
 
 namespace sphere_propagation::test {
@@ -113,6 +116,31 @@ TEST(SurfaceDistance, LandmarksWithoutArea) {
   EXPECT_NEAR(distance.max, 1, 1e-15);
   EXPECT_NEAR(distance.mean, (1 / std::sqrt(3.0) + 1) / 2, 1e-15);
 }
+
+TEST(IcosphereRemesher, SamplesAndMeasuresAsWithoutHints) {
+  const Mesh map = icosphereMesh(16);
+  const Points turned = map.vertices * randomRotation(2).transpose();
+  for (const Mesh& shape : {ellipsoid(3, 2, 1, 16), cup(0.2, 40, 40), ellipsoid(1, 1, 30, 16)}) {
+    const bool own = shape.vertices.rows() != turned.rows();
+    const ClosedSurface surface(shape.vertices, shape.faces);
+    const SphereMap sphere = own ? makeRootMap(surface).map : SphereMap(surface, turned.rowwise().normalized());
+    for (const int frequency : {1, 4, 10, 30}) {
+      const IcosphereRemesher remesher(frequency);
+      const Points& directions = remesher.sphere().vertices;
+      const Remeshed remeshed = remesher.remesh(surface, sphere);
+      EXPECT_EQ(remeshed.landmarks, remesh(surface, sphere, directions).landmarks);
+      const SphereLocator locator(surface, sphere);
+      for (Eigen::Index j = 0; j < directions.rows(); ++j)
+        EXPECT_EQ(remeshed.faces[static_cast<size_t>(j)], locator.locate(directions.row(j).transpose()).face);
+      const SurfaceDistance found = remesher.distance(remeshed, surface, sphere);
+      const SurfaceDistance expected = surfaceDistance(remeshed.landmarks, remesher.sphere().faces, surface);
+      EXPECT_NEAR(found.mean, expected.mean, 1e-14);
+      EXPECT_NEAR(found.max, expected.max, 1e-14);
+    }
+  }
+}
+
+TEST(IcosphereRemesher, BadFrequency) { EXPECT_THROW(IcosphereRemesher(0), ParameterError); }
 
 TEST(LandmarkColors, HuesOfAWholeTurn) {
   const Colors colors = landmarkColors(12);

@@ -9,6 +9,8 @@
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/map/certificate.h"
+#include "vcg_ext/map/sphere_walk.h"
+#include "vcg_ext/mesh/icosphere.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -154,6 +156,35 @@ TEST(SphereLocator, SmallestIndexAtAVertex) {
     int first = 0;
     while ((sphere.surface.faces().row(first).array() != v).all()) ++first;
     EXPECT_EQ(sphere.locator.locate(sphere.map.position(v)).face, first);
+  }
+}
+
+TEST(SphereWalk, AnswersAsTheLocatorDoes) {
+  Mesh turned = transformed(icosphereMesh(9), randomRotation(3), 1, Vector3::Zero());
+  for (const Mesh& mesh :
+       {octahedron(), icosphereMesh(10), turned, transformed(rings(1e-6), randomRotation(5), 1, {0, 0, 0})}) {
+    const Located sphere(mesh);
+    SphereWalk walk(sphere.surface, sphere.map);
+    const auto expectSame = [&](const Vector3& p) {
+      const SurfacePoint found = walk.locate(p), expected = sphere.locator.locate(p);
+      EXPECT_EQ(found.face, expected.face);
+      EXPECT_EQ(found.weights, expected.weights);  // bit for bit
+    };
+    const Icosphere directions = icosphere(10);  // each near the one before; vertices, edges and faces of one mesh
+    for (Eigen::Index j = 0; j < directions.vertices.rows(); ++j) expectSame(directions.vertices.row(j).transpose());
+    Random random(7);
+    for (int i = 0; i < 500; ++i) expectSame(3 * random.direction());  // from anywhere to anywhere
+    EXPECT_THROW(walk.locate(Vector3::Zero()), ParameterError);
+  }
+}
+
+TEST(SphereWalk, EndsInTheFaceUnderTheDirection) {
+  const Located sphere(transformed(icosphereMesh(12), randomRotation(8), 1, Vector3::Zero()));
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 p = random.direction();
+    const int start = random.index(sphere.surface.faceCount());
+    EXPECT_EQ(walkOverSphere(sphere.surface, sphere.map.positions(), p, start), sphere.locator.locate(p).face);
   }
 }
 

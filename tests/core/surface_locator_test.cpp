@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -52,6 +55,28 @@ TEST(SurfaceLocator, AgreesWithBruteForce) {
       const SurfacePoint found = locator.closest(x);
       expectProper(found, mesh, x, 1e-14 * size);
       EXPECT_NEAR(found.distance, distanceToMesh(x, mesh), 1e-13 * size);
+    }
+  }
+}
+
+TEST(SurfaceLocator, TheOrderOfTheFacesChangesNothing) {
+  for (const Mesh& mesh : {octahedron(), noisyEllipsoid(3), withZeroAreaFace()}) {
+    const SurfaceLocator sorted(mesh.vertices, mesh.faces);
+    std::vector<int> order = sorted.order(), all(static_cast<size_t>(mesh.faces.rows()));
+    std::iota(all.begin(), all.end(), 0);
+    EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), all.begin(), all.end()));
+    std::reverse(all.begin(), all.end());
+    for (const std::vector<int>& given : {order, all}) {
+      const SurfaceLocator locator(mesh.vertices, mesh.faces, given);
+      Random random(5);
+      for (int i = 0; i < 200; ++i) {
+        const Vector3 x = random.direction() * random.uniform(0, 2);
+        const SurfacePoint found = locator.closest(x, i % static_cast<int>(mesh.faces.rows())),
+                           expected = sorted.closest(x);
+        EXPECT_EQ(found.face, expected.face);
+        EXPECT_EQ(found.weights, expected.weights);
+        EXPECT_EQ(found.distance, expected.distance);
+      }
     }
   }
 }

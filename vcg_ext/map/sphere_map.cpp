@@ -19,4 +19,9 @@ SphereMap::SphereMap(const ClosedSurface& surface, Points positions) : positions
         "Layer \"" + surface.name() + "\": its map to the sphere is not valid: " + certificate.reason() + ".");
 }
 
+std::optional<SphereMap> SphereMap::ifValid(const ClosedSurface& surface, Points positions) {
+  if (positions.rows() != surface.vertexCount() || !certify(surface.faces(), positions).valid()) return std::nullopt;
+  return SphereMap(std::move(positions));
+}
+
 }  // namespace sphere_propagation

@@ -1,6 +1,9 @@
 #pragma once
 /// A valid spherical parameterisation of a closed surface.
 
+#include <optional>
+#include <utility>
+
 #include "vcg_ext/base/matrices.h"
 #include "vcg_ext/mesh/closed_surface.h"
 
@@ -14,10 +17,15 @@ class SphereMap {
   /// Throws MapError, which names the surface and the reason, when the positions do not certify.
   SphereMap(const ClosedSurface& surface, Points positions);
 
+  /// The same, but nothing where the positions do not certify.
+  static std::optional<SphereMap> ifValid(const ClosedSurface& surface, Points positions);
+
   const Points& positions() const { return positions_; }
   Vector3 position(int v) const { return positions_.row(v).transpose(); }
 
  private:
+  explicit SphereMap(Points certified) : positions_(std::move(certified)) {}
+
   Points positions_;
 };
 

@@ -83,8 +83,12 @@ struct ClosestQuery {
   double least = std::numeric_limits<double>::infinity();  // squared distance of the best so far
   SurfacePoint best = {};
 
-  double bound(const Vector3& low, const Vector3& high) const {
-    return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+  FaceTree::Four bounds(const FaceTree::Boxes& boxes) const {
+    const auto along = [&](size_t axis) -> FaceTree::Four {
+      const double at = x[static_cast<Eigen::Index>(axis)];
+      return (boxes.low[axis] - at).max(at - boxes.high[axis]).max(0.0).square();
+    };
+    return along(0) + along(1) + along(2);
   }
 
   // With some slack: a box that rounding puts just beyond the best may hold a face that rounding puts just before it.
@@ -114,6 +118,22 @@ struct ClosestQuery {
 }  // namespace
 
 SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces) : tree_(vertices, faces) {
+  orderFaces();
+}
+
+SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces, const std::vector<int>& order)
+    : tree_(vertices, faces, order) {
+  orderFaces();
+}
+
+std::vector<int> SurfaceLocator::order() const {
+  std::vector<int> faces;
+  faces.reserve(tree_.faces().size());
+  for (const FaceTree::Face& face : tree_.faces()) faces.push_back(face.index);
+  return faces;
+}
+
+void SurfaceLocator::orderFaces() {
   normals_.reserve(tree_.faces().size());
   places_.resize(tree_.faces().size());
   for (const FaceTree::Face& face : tree_.faces()) {

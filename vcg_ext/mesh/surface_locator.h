@@ -27,6 +27,12 @@ class SurfaceLocator {
   /// vertices: #V by 3, finite; faces: #F by 3, at least one; zero-area faces are fine.
   SurfaceLocator(const Points& vertices, const Triangles& faces);
 
+  /// The same over faces in an order that is given, as in FaceTree: quicker to build, with the same answers.
+  SurfaceLocator(const Points& vertices, const Triangles& faces, const std::vector<int>& order);
+
+  /// The faces in the tree's order, in which what is near is near in space.
+  std::vector<int> order() const;
+
   /// The point of the mesh closest to x. Of faces at the same (computed) distance the one with the smallest index.
   /// near: a face that is probably close, to look at first; -1: none. It saves time and changes nothing.
   SurfacePoint closest(const Vector3& x, int near = -1) const;
@@ -36,6 +42,8 @@ class SurfaceLocator {
   SurfacePoint closest(const Vector3& x, const Vector3& direction, double leastCosine, int near = -1) const;
 
  private:
+  void orderFaces();
+
   FaceTree tree_;
   std::vector<size_t> places_;    // of the mesh's faces in the tree's order
   std::vector<Vector3> normals_;  // unit normals in the tree's order; zero for faces without area
