@@ -23,10 +23,9 @@
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/root_map.h"
-#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/propagation/similarity_tree.h"
-#include "vcg_ext/remeshing/remeshing.h"
+#include "vcg_ext/remeshing/icosphere_remesher.h"
 
 namespace sphere_propagation::benchmark {
 namespace {
@@ -109,14 +108,22 @@ void run(const Options& options) {
   if (options.order == "cyclic") parameters.closing = closingArc(static_cast<int>(surfaces.size()), options.root);
   const Cost ofPropagation(
       options.repeat, [&] { made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), parameters); });
-  const Icosphere sphere = icosphere(10);
-  std::vector<Points> landmarks(surfaces.size());
+  std::vector<Remeshed> remeshed;
+  const auto layers = static_cast<int>(surfaces.size());
+  ThreadPool pool(options.parameters.threads);
   const Cost ofRemeshing(options.repeat, [&] {
-    for (size_t i = 0; i < surfaces.size(); ++i)
-      landmarks[i] = remesh(surfaces[i], made.layers[i].map, sphere.vertices).landmarks;
+    const IcosphereRemesher remesher(10);
+    remeshed = pool.makeEach(layers, [&](int i) {
+      const auto k = static_cast<size_t>(i);
+      return remesher.remesh(surfaces[k], made.layers[k].map);
+    });
   });
+  const IcosphereRemesher remesher(10);
   const Cost ofDistances(options.repeat, [&] {
-    for (size_t i = 0; i < surfaces.size(); ++i) surfaceDistance(landmarks[i], sphere.faces, surfaces[i]);
+    pool.forEach(layers, [&](int i) {
+      const auto k = static_cast<size_t>(i);
+      remesher.distance(remeshed[k], surfaces[k], made.layers[k].map);
+    });
   });
 
   long flips = 0;
@@ -138,9 +145,9 @@ void run(const Options& options) {
     writePly(options.rootMap, {root.vertices(), root.faces(), rootMap.front().map.positions()});
   if (options.landmarks.empty()) return;
   std::ofstream file(options.landmarks, std::ios::binary);
-  for (const Points& layer : landmarks)
-    file.write(reinterpret_cast<const char*>(layer.data()),
-               static_cast<std::streamsize>(sizeof(double)) * static_cast<std::streamsize>(layer.size()));
+  for (const Remeshed& layer : remeshed)
+    file.write(reinterpret_cast<const char*>(layer.landmarks.data()),
+               static_cast<std::streamsize>(sizeof(double)) * static_cast<std::streamsize>(layer.landmarks.size()));
 }
 
 }  // namespace

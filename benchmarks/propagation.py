@@ -92,12 +92,13 @@ def cost_cells(figures):
     u = figures["u"]
     return [f"{figures['root_vertices']:.0f}, {figures['mean_vertices']:.0f}", f"{1000 * u:.1f}",
             *(f"{figures[f'propagation_{kind}']:.2f} s = {figures[f'propagation_{kind}'] / u:.0f} u" for kind in ("cpu", "wall")),
-            f"{1000 * figures['remeshing_cpu']:.0f} + {1000 * figures['distances_cpu']:.0f} ms"]
+            *(f"{1000 * figures[f'remeshing_{kind}']:.0f} + {1000 * figures[f'distances_{kind}']:.0f} ms = "
+              f"{(figures[f'remeshing_{kind}'] + figures[f'distances_{kind}']) / u:.1f} u" for kind in ("cpu", "wall"))]
 
 
 def sequences(options, measure, phantom, folder):
     table(["data", "layers", "method", "vertices: root, mean", "u (ms)", "propagation, CPU", "propagation, wall",
-           "landmarks + their distances, CPU", "flipped faces", "error"])
+           "landmarks + their distances, CPU", "the same, wall", "flipped faces", "error"])
     truth = [(measure.points(v), f) for v, f in map(measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply")))]
     data = [("real patient with known truth", sorted((options.data / "heart_truth/mc").glob("*.ply")),
              lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)]),
@@ -117,7 +118,7 @@ def sequences(options, measure, phantom, folder):
                  error_text([errors(landmarks)] if errors else [])])
         if options.peer:
             seconds, landmarks = run_peer(options.peer, root_map, files, measure)
-            row([name, str(len(files)), "peer", "", "", f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", "", "", "",
+            row([name, str(len(files)), "peer", "", "", f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", "", "", "", "",
                  error_text([errors(landmarks)] if errors else [])])
 
 

@@ -4,37 +4,59 @@
 
 namespace sphere_propagation {
 
-std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer) {
-  if (!layer.storesPositions()) {
-    task.log(layer.label() + ": has no map, left out");
-    return std::nullopt;
-  }
+namespace {
+
+/// What a layer was read as, and what the log is to say about it.
+struct Reading {
+  std::optional<MeshSurface> mesh;
+  std::optional<SphereMap> map;
+  std::string note;
+};
+
+Reading readSurface(const host::Layer& layer) {
+  const std::string missing = layer.label() + ": has no map, left out";
+  if (!layer.storesPositions()) return {std::nullopt, std::nullopt, missing};
   try {
-    return layer.surface();
+    return {layer.surface(), std::nullopt, {}};
   } catch (const SurfaceError& error) {
     if (layer.hasAttribute()) throw;
-    task.log(layer.label() + ": has no map, left out (" + error.what() + ")");
-    return std::nullopt;
+    return {std::nullopt, std::nullopt, missing + " (" + error.what() + ")"};
   }
 }
 
-std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task) {
+Reading readMap(const host::Layer& layer) {
+  Reading reading = readSurface(layer);
+  if (!reading.mesh) return reading;
+  reading.map = layer.map(*reading.mesh);
+  if (!reading.map) reading.note = layer.label() + ": carries no valid map, left out";
+  return reading;
+}
+
+}  // namespace
+
+std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer) {
+  Reading reading = readSurface(layer);
+  if (!reading.note.empty()) task.log(reading.note);
+  return std::move(reading.mesh);
+}
+
+std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* pool) {
+  const std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Surface);
+  const auto read = [&](int i) { return readMap(layers[static_cast<size_t>(i)]); };
+  ThreadPool alone(1);
+  std::vector<Reading> readings = (pool ? *pool : alone).makeEach(static_cast<int>(layers.size()), read);
   std::vector<MappedLayer> found;
-  for (const host::Layer& layer : task.layers.visible(host::LayerKind::Surface)) {
-    std::optional<MeshSurface> mesh = surfaceWithPositions(task, layer);
-    if (!mesh) continue;
-    std::optional<SphereMap> map = layer.map(*mesh);
-    if (map)
-      found.push_back({layer, std::move(*mesh), std::move(*map)});
-    else
-      task.log(layer.label() + ": carries no valid map, left out");
+  for (size_t i = 0; i < layers.size(); ++i) {
+    Reading& reading = readings[i];
+    if (!reading.note.empty()) task.log(reading.note);
+    if (reading.map) found.push_back({layers[i], std::move(*reading.mesh), std::move(*reading.map)});
   }
   return found;
 }
 
-std::vector<MappedLayer> mappedLayers(const host::Task& task) {
+std::vector<MappedLayer> mappedLayers(const host::Task& task, ThreadPool* pool) {
   task.layers.visibleSurfaces();  // says so where there is none
-  std::vector<MappedLayer> found = mappedLayersIfAny(task);
+  std::vector<MappedLayer> found = mappedLayersIfAny(task, pool);
   if (found.empty())
     throw MapError(
         0, -1,

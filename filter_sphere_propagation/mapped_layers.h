@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/filter.h"
+#include "vcg_ext/base/thread_pool.h"
 
 namespace sphere_propagation {
 
@@ -20,10 +21,11 @@ struct MappedLayer {
 };
 
 /// All visible surfaces with a valid map, in layer order; those that carry something else are named in the log.
-std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task);
+/// pool: who reads them; nullptr: the calling thread alone.
+std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* pool = nullptr);
 
 /// All visible surfaces with a valid map, in layer order; the others are named in the log.
 /// Throws MapError, which says what to do, when there is none.
-std::vector<MappedLayer> mappedLayers(const host::Task& task);
+std::vector<MappedLayer> mappedLayers(const host::Task& task, ThreadPool* pool = nullptr);
 
 }  // namespace sphere_propagation

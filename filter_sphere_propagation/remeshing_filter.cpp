@@ -1,12 +1,16 @@
 // "Remesh by icosphere": every surface that has a map is sampled at the same points of the sphere.
 
+#include <atomic>
+#include <thread>
+#include <utility>
+
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/remeshing/icosphere_remesher.h"
 #include "vcg_ext/remeshing/landmark_colors.h"
-#include "vcg_ext/remeshing/remeshing.h"
 
 namespace sphere_propagation {
 namespace {
@@ -57,11 +61,20 @@ class RemeshingFilter : public host::Filter {
              std::to_string(largestIcosphereFrequency) + ": 10 f^2 + 2 landmarks.",
          10},
         {"color_landmarks", "Colour landmarks",
-         "Show the index of each landmark as its hue: the same colour means the same landmark on every layer.", true}};
+         "Show the index of each landmark as its hue: the same colour means the same landmark on every layer.", true},
+        host::Parameter{"threads", "Threads",
+                        "How many threads work on layers; 0: as many as the machine runs at once. The landmarks are "
+                        "the same with any number.",
+                        0}
+            .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
-    const std::vector<MappedLayer> layers = mappedLayers(task);
+    const int threads = task.values.integer("threads");
+    if (threads < 0)
+      throw ParameterError("The number of threads must not be negative; it is " + std::to_string(threads) + ".");
+    ThreadPool pool(threads);
+    const std::vector<MappedLayer> layers = mappedLayers(task, &pool);
     const int frequency = task.values.integer("frequency");
     const long landmarks = 10L * frequency * frequency + 2;
     const long affordable = mostLandmarks / static_cast<long>(layers.size());
@@ -70,35 +83,54 @@ class RemeshingFilter : public host::Filter {
                            counted(static_cast<long>(layers.size()), "layer", "layers") + " makes " +
                            std::to_string(landmarks * static_cast<long>(layers.size())) + " landmarks, more than " +
                            std::to_string(mostLandmarks) + ". Choose a lower frequency or hide layers.");
-    const Icosphere sphere = icosphere(frequency);
+    const IcosphereRemesher remesher(frequency);
     std::optional<Colors> colors;
-    if (task.values.flag("color_landmarks")) colors = landmarkColors(sphere.vertices.rows());
+    if (task.values.flag("color_landmarks")) colors = landmarkColors(landmarks);
 
     const std::vector<std::optional<int>> earlier = earlierLandmarks(task, layers);
-    const auto count = static_cast<Eigen::Index>(layers.size());
+    const auto count = static_cast<int>(layers.size());
+    const std::vector<Made> all = makeAll(remesher, layers, pool, task.progress);
     Eigen::VectorXd mean(count), max(count), seconds(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
+    for (int i = 0; i < count; ++i) {
       const auto k = static_cast<size_t>(i);
-      const Stopwatch stopwatch;
-      const Remeshed remeshed = remesh(layers[k].mesh.surface, layers[k].map, sphere.vertices);
-      const SurfaceDistance distance = surfaceDistance(remeshed.landmarks, sphere.faces, layers[k].mesh.surface);
       host::NewLayer made;
       made.label = layers[k].layer.derivedLabel("landmarks");
       made.kind = host::LayerKind::Landmarks;
-      made.vertices = remeshed.landmarks;
-      made.faces = sphere.faces;
+      made.vertices = all[k].landmarks;
+      made.faces = remesher.sphere().faces;
       made.colors = colors;
       made.replacedId = earlier[k];
       task.changes.addLayer(made);
-      mean[i] = distance.mean;
-      max[i] = distance.max;
-      seconds[i] = stopwatch.seconds();
+      mean[i] = all[k].distance.mean;
+      max[i] = all[k].distance.max;
+      seconds[i] = all[k].seconds;
       task.log(layers[k].layer.label() + ": " + std::to_string(landmarks) + " landmarks, distance to the surface " +
-               shortNumber(distance.mean) + " on average, " + shortNumber(distance.max) + " at most, " +
-               shortNumber(seconds[i]) + " s");
-      report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));
+               shortNumber(mean[i]) + " on average, " + shortNumber(max[i]) + " at most, " + shortNumber(seconds[i]) +
+               " s");
     }
     return {{"surface_distance_mean", mean}, {"surface_distance_max", max}, {"seconds", seconds}};
+  }
+
+ private:
+  struct Made {
+    Points landmarks;
+    SurfaceDistance distance;
+    double seconds;
+  };
+
+  static std::vector<Made> makeAll(const IcosphereRemesher& remesher, const std::vector<MappedLayer>& layers,
+                                   ThreadPool& pool, const Progress& progress) {
+    const auto caller = std::this_thread::get_id();
+    std::atomic<int> finished{0};
+    return pool.makeEach(static_cast<int>(layers.size()), [&](int i) {
+      const MappedLayer& layer = layers[static_cast<size_t>(i)];
+      const Stopwatch stopwatch;
+      Remeshed remeshed = remesher.remesh(layer.mesh.surface, layer.map);
+      const SurfaceDistance distance = remesher.distance(remeshed, layer.mesh.surface, layer.map);
+      const double share = static_cast<double>(++finished) / static_cast<double>(layers.size());
+      if (std::this_thread::get_id() == caller) report(progress, share);
+      return Made{std::move(remeshed.landmarks), distance, stopwatch.seconds()};
+    });
   }
 };
 

@@ -3,6 +3,7 @@
 #include <QRegularExpression>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/document.h"
 #include "vcg_ext/map/certificate.h"
@@ -96,9 +97,9 @@ std::optional<Points> Layer::storedPositions(const MeshSurface& surface) const {
 }
 
 std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
-  for (auto& positions : {attributePositions(surface), texturePositions(surface)})
-    if (positions && certify(surface.surface.faces(), *positions).valid())
-      return SphereMap(surface.surface, *positions);
+  if (auto positions = attributePositions(surface))
+    if (auto map = SphereMap::ifValid(surface.surface, std::move(*positions))) return map;
+  if (auto positions = texturePositions(surface)) return SphereMap::ifValid(surface.surface, std::move(*positions));
   return std::nullopt;
 }
 

@@ -194,14 +194,15 @@ def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) 
                           "shape or in another unit.", SpherePropagationWarning, stacklevel=3)
 
 
-def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10) -> Landmarks:
+def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10, threads: int = 0) -> Landmarks:
     """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as propagate gives them.
 
-    frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks.
+    frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks. threads: how many work, 0 for as many
+    as the machine runs at once; the landmarks are the same with any number.
     """
     surfaces = as_surfaces(surfaces)
     meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
-    figures = layers.apply(meshes, REMESH, frequency=frequency, color_landmarks=False)
+    figures = layers.apply(meshes, REMESH, frequency=frequency, color_landmarks=False, threads=threads)
     made = [meshes.mesh(i) for i in range(len(surfaces), meshes.mesh_number())]
     if len(made) != len(surfaces):
         raise FilterError(REMESH, f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.")

@@ -24,7 +24,7 @@ PARAMETERS = {
         "smoothing_sweeps": 50,
         "threads": 0,
     },
-    REMESH: {"frequency": 10, "color_landmarks": True},
+    REMESH: {"frequency": 10, "color_landmarks": True, "threads": 0},
     EVALUATE: {},
     SPHERES: {"beside_surfaces": False},
     COLOR: {

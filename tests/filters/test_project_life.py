@@ -419,3 +419,23 @@ for name in {FILTERS[1:]!r}:
     # Progress: real fractions that only grow.
     percents = [int(line.split("[")[1].split("%")[0]) for line in lines if "Propagate parameterisation to layers    [" in line]
     assert percents == sorted(set(percents)) and percents[-1] == 100 and len(percents) > 4
+
+
+def test_remeshing_is_the_same_with_any_number_of_threads():
+    ms = mapped_cycle(5)
+    made, figures = [], []
+    for threads in (1, 2, 5):
+        figures.append(ms.apply_filter(REMESH, frequency=6, threads=threads))
+        made.append([(m.vertex_matrix(), m.face_matrix()) for m in landmark_layers(ms)])
+    for other, more in zip(made[1:], figures[1:]):
+        assert len(other) == len(made[0]) == 5
+        for (points, faces), (expected, expected_faces) in zip(other, made[0]):
+            assert np.array_equal(points, expected) and np.array_equal(faces, expected_faces)
+        for key in ("surface_distance_mean", "surface_distance_max"):
+            assert np.array_equal(more[key], figures[0][key])
+
+
+def test_remeshing_refuses_a_negative_number_of_threads():
+    ms = mapped_cycle(1)
+    with refused(ms, "number of threads must not be negative", "-1"):
+        ms.apply_filter(REMESH, threads=-1)
