@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 
@@ -19,7 +20,8 @@ class EvaluationFilter : public host::Filter {
         "reported, not refused. Nothing is changed.<br><br>"
         "Returned, one entry per layer that carries a map: <b>valid</b>: 1 or 0; <b>degree</b>: how often the sphere "
         "is "
-        "covered, 1 in a valid map; " +
+        "covered, 1 in a valid map; <b>root</b>: a number that stands for the root that the map came from, the same on "
+        "all layers whose maps belong together, -1 where it is not known, as of maps read from files; " +
             mapFiguresInfo() +
             "<br><br>Orientation is decided exactly:<br><i>Jonathan Richard Shewchuk</i><br>"
             "<b>\"Adaptive precision floating-point arithmetic and fast robust geometric predicates\"</b><br>"
@@ -45,7 +47,7 @@ class EvaluationFilter : public host::Filter {
           "No visible surface layer carries a map to the sphere. Run \"Spherical parameterise root\" on one first.");
     MapFigures figures(layers.size());
     const auto count = static_cast<Eigen::Index>(layers.size());
-    Eigen::VectorXd valid(count), degree(count);
+    Eigen::VectorXd valid(count), degree(count), root(count);
     for (size_t i = 0; i < layers.size(); ++i) {
       const Stopwatch stopwatch;
       const MeshSurface& mesh = meshes[i];
@@ -54,10 +56,14 @@ class EvaluationFilter : public host::Filter {
       figures.set(i, measures, seconds);
       valid[static_cast<Eigen::Index>(i)] = measures.certificate.valid() ? 1 : 0;
       degree[static_cast<Eigen::Index>(i)] = measures.certificate.degree;
-      task.log(describeMap(layers[i].label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s");
+      const std::optional<int> rootMark = layers[i].mark(host::rootMark);
+      root[static_cast<Eigen::Index>(i)] = rootMark.value_or(-1);
+      task.log(describeMap(layers[i].label(), mesh.surface, measures) +
+               (rootMark ? ", root " + std::to_string(*rootMark) : std::string()) + ", " + shortNumber(seconds) + " s");
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));
     }
-    host::Outputs outputs = {{"valid", valid}, {"degree", degree}};
+    logSeveralRoots(task, layers);
+    host::Outputs outputs = {{"valid", valid}, {"degree", degree}, {"root", root}};
     figures.addTo(outputs);
     return outputs;
   }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "filter_sphere_propagation/map_roots.h"
+
 namespace sphere_propagation {
 
 namespace {
@@ -51,6 +53,9 @@ std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* p
     if (!reading.note.empty()) task.log(reading.note);
     if (reading.map) found.push_back({layers[i], std::move(*reading.mesh), std::move(*reading.map)});
   }
+  std::vector<host::Layer> mapped;
+  for (const MappedLayer& layer : found) mapped.push_back(layer.layer);
+  logSeveralRoots(task, mapped);
   return found;
 }
 

@@ -20,7 +20,8 @@ struct MappedLayer {
   SphereMap map;
 };
 
-/// All visible surfaces with a valid map, in layer order; those that carry something else are named in the log.
+/// All visible surfaces with a valid map, in layer order; those that carry something else are named in the log, and so
+/// are maps that come from different roots.
 /// pool: who reads them; nullptr: the calling thread alone.
 std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* pool = nullptr);
 

@@ -327,6 +327,10 @@ class PropagationFilter : public host::Filter {
   static host::Outputs write(host::Task& task, const Sequence& sequence,
                              const std::vector<PropagatedLayer>& propagated) {
     const size_t count = sequence.layers.size();
+    // A layer whose own map was handed to it passes on the root that this came from: they all belong together.
+    const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
+    const std::optional<int> known = rootLayer.mark(host::rootMark), root = known ? known : rootLayer.mapFingerprint();
+    if (root && !known) task.changes.setMark(rootLayer, host::rootMark, *root);
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);
     Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries), repairedFaces(entries),
@@ -347,7 +351,7 @@ class PropagationFilter : public host::Filter {
       if (isRoot) {
         line += " (root)";
       } else {
-        const std::string note = task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map);
+        const std::string note = task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map, root);
         if (!note.empty()) task.log(note);
         line += ", from " + from + " with residual " + shortNumber(layer.residualMean) + " (95 % below " +
                 shortNumber(layer.residualP95) + "), " + counted(layer.repairedFaces, "face", "faces") + " repaired, " +

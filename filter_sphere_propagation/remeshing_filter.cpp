@@ -6,6 +6,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/landmark_sources.h"
+#include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/mesh/icosphere.h"
@@ -99,6 +100,7 @@ class RemeshingFilter : public host::Filter {
       made.vertices = all[k].landmarks;
       made.faces = remesher.sphere().faces;
       made.colors = colors;
+      made.marks = landmarkMarks(layers[k].layer);
       made.replacedId = earlier[k];
       task.changes.addLayer(made);
       mean[i] = all[k].distance.mean;

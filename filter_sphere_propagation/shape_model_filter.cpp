@@ -8,6 +8,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/landmark_sources.h"
+#include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/model/displacement_colors.h"
 #include "vcg_ext/model/model_export.h"
@@ -23,6 +24,7 @@ namespace {
 std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task, std::vector<host::Layer> layers) {
   const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
   const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
+  logStaleLandmarks(task, layers, surfaces, sources);
   std::vector<size_t> order(layers.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
@@ -47,6 +49,7 @@ TrainingSet trainingSet(const host::Task& task) {
   if (layers.empty())
     throw ParameterError(
         "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that it made.");
+  requireOneRoot(layers);
   layers = inOrderOfSurfaces(task, std::move(layers));
   std::vector<TrainingSet::Shape> shapes;
   Triangles faces;

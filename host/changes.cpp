@@ -21,6 +21,11 @@ Point3m pointm(const Points& points, Eigen::Index row) {
           static_cast<Scalarm>(points(row, 2))};
 }
 
+void markMesh(CMeshO& mesh, const std::string& name, int value) {
+  auto handle = Allocator::GetPerVertexAttribute<Scalarm>(mesh, name);
+  for (size_t v = 0; v < mesh.vert.size(); ++v) handle[v] = static_cast<Scalarm>(value);
+}
+
 std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
   auto mesh = std::make_unique<CMeshO>();
   meshFromSurface(layer.vertices, layer.faces, *mesh);
@@ -33,6 +38,7 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
     auto handle = Allocator::AddPerVertexAttribute<Point3m>(*mesh, name);
     for (int v = 0; v < mesh->vn; ++v) handle[static_cast<size_t>(v)] = pointm(values, v);
   }
+  for (const auto& [name, value] : layer.marks) markMesh(*mesh, name, value);
   return mesh;
 }
 
@@ -49,6 +55,7 @@ struct Changes::MapChange {
   std::vector<int> meshVertex;
   std::vector<Point3m> positions;  // empty: they do not hold the map
   std::optional<TextureCopy> texture;
+  std::optional<int> root;  // nothing: the layer itself
 };
 
 struct Changes::ColorChange {
@@ -64,6 +71,12 @@ struct Changes::QualityChange {
   std::optional<Eigen::VectorXd> ofFaces;
 };
 
+struct Changes::MarkChange {
+  int layerId;
+  std::string name;
+  int value;
+};
+
 struct Changes::LayerChange {
   std::string label;
   int replacedId;  // -1: a new layer
@@ -74,8 +87,9 @@ struct Changes::LayerChange {
 Changes::Changes(MeshDocument& document) : document_(document) {}
 Changes::~Changes() = default;
 
-std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map) {
-  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(surface.surface, map)};
+std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map,
+                            std::optional<int> root) {
+  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(surface.surface, map), root};
   int mended = change.texture->mendedVertices;
   const bool textureHoldsIt = change.texture->valid;
   if (!textureHoldsIt) {
@@ -116,6 +130,8 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, cons
            " moved by a few units in the last place, so that the map stays valid as float.";
   return {};
 }
+
+void Changes::setMark(const Layer& layer, const char* name, int value) { marks_.push_back({layer.id(), name, value}); }
 
 void Changes::setColors(const Layer& layer, const MeshSurface& surface, Colors colors) {
   colors_.push_back({layer.id(), surface.meshVertex, std::move(colors)});
@@ -172,9 +188,13 @@ int Changes::commit() {
     } else if (mesh.hasDataMask(MeshModel::MM_VERTTEXCOORD)) {
       mesh.clearDataMask(MeshModel::MM_VERTTEXCOORD);  // they would be those of an earlier map
     }
+    // What stands for a map stands for what is stored, so that it can be told again from the layer.
+    if (const auto root = change.root ? change.root : Layer(mesh).mapFingerprint()) markMesh(mesh.cm, rootMark, *root);
     mesh.setMeshModified();
     changed |= MeshModel::MM_VERTTEXCOORD;
   }
+  for (const MarkChange& change : marks_)
+    markMesh(document_.getMesh(static_cast<unsigned int>(change.layerId))->cm, change.name, change.value);
   for (const ColorChange& change : colors_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     mesh.updateDataMask(MeshModel::MM_VERTCOLOR);

@@ -24,6 +24,7 @@ struct NewLayer {
   std::optional<Colors> colors;                   ///< per vertex
   std::optional<Eigen::VectorXd> quality;         ///< per vertex
   std::map<std::string, Points> pointAttributes;  ///< per vertex
+  std::map<std::string, int> marks;               ///< see layers.h
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   std::optional<int> replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
 };
@@ -35,11 +36,16 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
-  /// Stores a map on a layer, as attribute and as texture coordinates, each certified as it is stored. Returns what the
-  /// user should know about that; usually nothing: texture coordinates are floats, in some hosts the attribute is as
-  /// well, and where rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when neither
-  /// holds the map.
-  std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map);
+  /// Stores a map on a layer, as attribute and as texture coordinates, each certified as it is stored. root: the mark
+  /// of the root that it came from; nothing where the layer is a root itself: it gets a mark of its own. Returns what
+  /// the user should know about that; usually nothing: texture coordinates are floats, in some hosts the attribute is
+  /// as well, and where rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when
+  /// neither holds the map.
+  std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map,
+                     std::optional<int> root = {});
+
+  /// Puts a mark on a layer, see layers.h.
+  void setMark(const Layer& layer, const char* name, int value);
 
   /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read as.
   void setColors(const Layer& layer, const MeshSurface& surface, Colors colors);
@@ -70,11 +76,13 @@ class Changes {
   struct MapChange;
   struct ColorChange;
   struct QualityChange;
+  struct MarkChange;
   struct LayerChange;
   MeshDocument& document_;
   std::vector<MapChange> maps_;
   std::vector<ColorChange> colors_;
   std::vector<QualityChange> qualities_;
+  std::vector<MarkChange> marks_;
   std::vector<LayerChange> layers_;
   std::vector<int> removedIds_;
   bool firstBecomesCurrent_ = false;

@@ -31,7 +31,10 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document);
 /// A per-vertex point attribute: one row per element of mesh.vert; nothing when the mesh has none of this name.
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name);
 
-/// The same for a mesh of either constness, for those who define it.
+/// A per-vertex scalar attribute: one entry per element of mesh.vert; nothing when the mesh has none of this name.
+std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name);
+
+/// The same for a mesh of either constness, for those who define them.
 template <class Mesh>
 std::optional<Points> copyPointAttribute(Mesh& mesh, const std::string& name) {
   using Allocator = vcg::tri::Allocator<CMeshO>;
@@ -45,8 +48,18 @@ std::optional<Points> copyPointAttribute(Mesh& mesh, const std::string& name) {
   return points;
 }
 
-/// Makes a layer hold what `mesh` holds (vertices, faces, colours, point attributes) and nothing else, and updates
-/// normals, box and data mask. The layer's matrix, label and visibility stay.
+template <class Mesh>
+std::optional<Eigen::VectorXd> copyScalarAttribute(Mesh& mesh, const std::string& name) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  auto handle = Allocator::FindPerVertexAttribute<Scalarm>(mesh, name);
+  if (!Allocator::IsValidHandle(mesh, handle)) return std::nullopt;
+  Eigen::VectorXd values(static_cast<Eigen::Index>(mesh.vert.size()));
+  for (size_t v = 0; v < mesh.vert.size(); ++v) values[static_cast<Eigen::Index>(v)] = handle[v];
+  return values;
+}
+
+/// Makes a layer hold what `mesh` holds (vertices, faces, colours, point and scalar attributes) and nothing else, and
+/// updates normals, box and data mask. The layer's matrix, label and visibility stay.
 void replaceMesh(MeshModel& layer, CMeshO&& mesh);
 
 /// Takes a layer off the document.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/document.h"
+#include "vcg_ext/base/fingerprint.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/sphere_coordinates.h"
 #include "vcg_ext/mesh/icosphere.h"
@@ -104,6 +105,42 @@ std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
 }
 
 bool Layer::hasAttribute() const { return pointAttribute(mesh_->cm, spherePositionAttribute).has_value(); }
+
+std::optional<int> Layer::mark(const char* name) const {
+  const auto values = scalarAttribute(mesh_->cm, name);
+  if (!values) return std::nullopt;
+  std::optional<double> value;
+  for (size_t v = 0; v < mesh_->cm.vert.size(); ++v) {
+    if (mesh_->cm.vert[v].IsD()) continue;
+    if (value && *value != (*values)[static_cast<Eigen::Index>(v)]) return std::nullopt;
+    value = (*values)[static_cast<Eigen::Index>(v)];
+  }
+  constexpr double end = 1 << 24;
+  if (!value || !(*value >= 1 && *value < end)) return std::nullopt;
+  return static_cast<int>(*value);
+}
+
+std::optional<int> Layer::mapFingerprint() const {
+  if (!storesPositions()) return std::nullopt;
+  const CMeshO& mesh = mesh_->cm;
+  const auto positions = pointAttribute(mesh, spherePositionAttribute);
+  Fingerprint fingerprint;
+  std::vector<int> number(mesh.vert.size(), 0);  // without the deleted ones
+  for (size_t v = 0, count = 0; v < mesh.vert.size(); ++v) {
+    if (mesh.vert[v].IsD()) continue;
+    number[v] = static_cast<int>(count++);
+    if (positions) {
+      for (int k = 0; k < 3; ++k) fingerprint.add((*positions)(static_cast<Eigen::Index>(v), k));
+    } else {
+      fingerprint.add(static_cast<double>(mesh.vert[v].cT().U()));
+      fingerprint.add(static_cast<double>(mesh.vert[v].cT().V()));
+    }
+  }
+  for (const CFaceO& face : mesh.face)
+    if (!face.IsD())
+      for (int k = 0; k < 3; ++k) fingerprint.add(number[static_cast<size_t>(face.cV(k) - mesh.vert.data())]);
+  return fingerprint.short24();
+}
 
 bool Layer::storesPositions() const { return hasAttribute() || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD); }
 

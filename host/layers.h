@@ -17,6 +17,17 @@ namespace sphere_propagation::host {
 /// Where the map lives on a mesh: a point attribute per vertex, and the texture coordinates (which files keep).
 constexpr const char* spherePositionAttribute = "sphere_position";
 
+/// Marks: numbers that a layer carries from one filter to the next, 1 to 2^24 - 1. A mark is a scalar attribute with
+/// one value for all vertices: it goes where the map's attribute goes, also where MeshLab copies a mesh, which loses
+/// what is stored once per mesh; and it is gone where that one is gone, as in files and in layers that MeshLab's filter
+/// duplicates.
+///
+/// Which root a map came from: the fingerprint of the root's own map, on the root and on all layers that its map was
+/// handed to; on landmark layers that of the map that they were sampled from.
+constexpr const char* rootMark = "sphere_root";
+/// On landmark layers: the fingerprint of the map that they were sampled from.
+constexpr const char* sampledMapMark = "sphere_map";
+
 /// What a layer is, told from what it holds, so that nothing need be hidden by hand and files loaded again are known.
 enum class LayerKind {
   Surface,    ///< anything else: what maps are made for
@@ -54,6 +65,10 @@ class Layer {
   std::optional<Points> storedPositions(const MeshSurface& surface) const;
   /// Whether it has the attribute of a map, valid or not.
   bool hasAttribute() const;
+  /// The number of a mark; nothing where the layer has none, or more than one.
+  std::optional<int> mark(const char* name) const;
+  /// Stands for what is stored as the layer's map, valid or not, and for its faces; nothing where nothing is stored.
+  std::optional<int> mapFingerprint() const;
   /// Whether anything is stored where a map would be: the attribute, or texture coordinates of any kind.
   bool storesPositions() const;
   /// Whether it carries a map; quick, and false where the layer is no closed surface.

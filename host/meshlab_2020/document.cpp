@@ -7,10 +7,18 @@ namespace {
 
 using Allocator = vcg::tri::Allocator<CMeshO>;
 
-std::vector<std::string> pointAttributes(CMeshO& mesh) {
+template <class Value>
+std::vector<std::string> attributes(CMeshO& mesh) {
   std::vector<std::string> names;
-  Allocator::GetAllPerVertexAttribute<Point3m>(mesh, names);
+  Allocator::GetAllPerVertexAttribute<Value>(mesh, names);
   return names;
+}
+
+/// Makes `mesh` have the attributes of this type that `model` has, and no others.
+template <class Value>
+void enableAttributesOf(CMeshO& model, CMeshO& mesh) {
+  for (const std::string& name : attributes<Value>(mesh)) Allocator::DeletePerVertexAttribute(mesh, name);
+  for (const std::string& name : attributes<Value>(model)) Allocator::AddPerVertexAttribute<Value>(mesh, name);
 }
 
 }  // namespace
@@ -23,14 +31,18 @@ std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name
   return copyPointAttribute(const_cast<CMeshO&>(mesh), name);  // this VCG reads those of meshes that may change only
 }
 
+std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name) {
+  return copyScalarAttribute(const_cast<CMeshO&>(mesh), name);
+}
+
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   // Meshes of this VCG can be copied only, and only into what is there.
   constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTFLAG |
                          MeshModel::MM_FACEVERT | MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
   layer.clearDataMask(layer.dataMask() & ~always);
   layer.cm.Clear();
-  for (const std::string& name : pointAttributes(layer.cm)) Allocator::DeletePerVertexAttribute(layer.cm, name);
-  for (const std::string& name : pointAttributes(mesh)) Allocator::AddPerVertexAttribute<Point3m>(layer.cm, name);
+  enableAttributesOf<Point3m>(mesh, layer.cm);
+  enableAttributesOf<Scalarm>(mesh, layer.cm);
   vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
   layer.cm.svn = layer.cm.sfn = 0;
   layer.UpdateBoxAndNormals();

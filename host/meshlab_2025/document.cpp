@@ -15,6 +15,10 @@ std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name
   return copyPointAttribute(mesh, name);
 }
 
+std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name) {
+  return copyScalarAttribute(mesh, name);
+}
+
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   layer.cm = std::move(mesh);
   layer.updateBoxAndNormals();

@@ -101,7 +101,7 @@ def mapped_cycle(phases=4, **more):
 
 # PyMeshLab cannot list custom attributes, so these are asked for by name.
 POINT_ATTRIBUTES = [ATTRIBUTE, "material_coordinate", "of_the_user"]
-SCALAR_ATTRIBUTES = ["number_of_the_user"]
+SCALAR_ATTRIBUTES = ["number_of_the_user", "sphere_root", "sphere_map"]
 
 
 def digest(array):

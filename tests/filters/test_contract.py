@@ -51,7 +51,7 @@ RETURNED = {
     ROOT: set(FIGURES),
     PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", "route", *FIGURES},
     REMESH: {"surface_distance_mean", "surface_distance_max", "seconds"},
-    EVALUATE: {"valid", "degree", *FIGURES},
+    EVALUATE: {"valid", "degree", "root", *FIGURES},
     SPHERES: {"layers"},
     COLOR: {"layers"},
     MODEL: {"eigenvalues", "compactness", "variance_share", "generalisation", "generalisation_error", "specificity",

@@ -274,7 +274,7 @@ def test_only_the_maps_change_on_surfaces():
     for mesh, held in zip(ms, before):
         now = content(mesh)
         changed = {name for name in held if held[name] != now[name]}
-        assert changed == {"attribute " + ATTRIBUTE, "texture coordinates"}
+        assert changed == {"attribute " + ATTRIBUTE, "attribute sphere_root", "texture coordinates"}
 
 
 @pytest.mark.parametrize("name", [REMESH, EVALUATE, SPHERES])

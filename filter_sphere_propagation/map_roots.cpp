@@ -1,0 +1,114 @@
+#include "filter_sphere_propagation/map_roots.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "vcg_ext/base/counted.h"
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+namespace {
+
+using Labels = std::vector<std::string>;
+
+/// "a", "b", "c" and 4 more
+std::string listed(const Labels& labels) {
+  constexpr size_t most = 3;
+  std::string text;
+  for (size_t i = 0; i < std::min(labels.size(), most); ++i) text += (i > 0 ? ", \"" : "\"") + labels[i] + "\"";
+  if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
+  return text;
+}
+
+struct Roots {
+  std::vector<std::pair<int, Labels>> known;  // by root, in the order of their first layers
+  Labels unknown;
+};
+
+Roots rootsOf(const std::vector<host::Layer>& layers) {
+  Roots roots;
+  for (const host::Layer& layer : layers) {
+    const std::optional<int> root = layer.mark(host::rootMark);
+    if (!root) {
+      roots.unknown.push_back(layer.label());
+      continue;
+    }
+    auto group = std::find_if(roots.known.begin(), roots.known.end(), [&](const auto& g) { return g.first == *root; });
+    if (group == roots.known.end()) group = roots.known.insert(group, {*root, {}});
+    group->second.push_back(layer.label());
+  }
+  return roots;
+}
+
+/// ("a", "b" from one; "c" from another; and 2 more roots)
+std::string inBrackets(const Roots& roots) {
+  constexpr size_t most = 4;
+  std::string text;
+  for (size_t i = 0; i < std::min(roots.known.size(), most); ++i)
+    text += (i > 0 ? "; " : "") + listed(roots.known[i].second) + (i > 0 ? " from another" : " from one");
+  if (roots.known.size() > most)
+    text += "; and " + counted(static_cast<long>(roots.known.size() - most), "more root", "more roots");
+  return "(" + text + ")";
+}
+
+}  // namespace
+
+std::map<std::string, int> landmarkMarks(const host::Layer& surface) {
+  std::map<std::string, int> marks;
+  if (const auto root = surface.mark(host::rootMark)) marks[host::rootMark] = *root;
+  if (const auto map = surface.mapFingerprint()) marks[host::sampledMapMark] = *map;
+  return marks;
+}
+
+void logSeveralRoots(const host::Task& task, const std::vector<host::Layer>& surfaces) {
+  const Roots roots = rootsOf(surfaces);
+  if (roots.known.size() > 1)
+    task.log("Warning: the maps come from different roots " + inBrackets(roots) +
+             ", so that a place of the sphere, as a landmark, is not the same place on all of them. Run \"Propagate "
+             "parameterisation to layers\" again, or hide the layers that are not meant.");
+  if (!roots.known.empty() && !roots.unknown.empty())
+    task.log("Note: which root the maps of " + listed(roots.unknown) +
+             " came from is not known, since files and duplicated layers do not keep it. Where they do not belong to "
+             "the others, run "
+             "\"Propagate parameterisation to layers\" again.");
+}
+
+void requireOneRoot(const std::vector<host::Layer>& landmarks) {
+  const Roots roots = rootsOf(landmarks);
+  if (roots.known.size() > 1)
+    throw ParameterError(
+        "The landmarks do not correspond, since they were sampled from maps of different roots " + inBrackets(roots) +
+        ". Run \"Propagate parameterisation to layers\" and \"Remesh by icosphere\" again, or hide the "
+        "layers that do not belong to the model.");
+}
+
+void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& landmarks,
+                       const std::vector<host::Layer>& surfaces, const std::vector<std::optional<size_t>>& sources) {
+  Labels gone, mapless, remapped;
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    if (!sources[i]) {
+      gone.push_back(landmarks[i].label());
+      continue;
+    }
+    const host::Layer& surface = surfaces[*sources[i]];
+    const std::optional<int> sampled = landmarks[i].mark(host::sampledMapMark);
+    if (!surface.storesPositions())
+      mapless.push_back(landmarks[i].label());
+    else if (sampled && surface.mark(host::rootMark) && sampled != surface.mapFingerprint())
+      remapped.push_back(landmarks[i].label());
+  }
+  if (!gone.empty() && gone.size() < landmarks.size())
+    task.log(
+        "Warning: the surfaces of " + listed(gone) +
+        " are not in the project. Where these shapes are not meant to be in the model, hide or delete the layers.");
+  if (!mapless.empty())
+    task.log(
+        "Warning: the surfaces of " + listed(mapless) +
+        " have no map (any more), so that \"Remesh by icosphere\" does not make these layers again. Where they are "
+        "left over, hide or delete them.");
+  if (!remapped.empty())
+    task.log("Warning: the maps of the surfaces of " + listed(remapped) +
+             " have changed since these landmarks were made. Run \"Remesh by icosphere\" again.");
+}
+
+}  // namespace sphere_propagation
