@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "filter_label_volume/earlier_imports.h"
 #include "filter_label_volume/file_series.h"
 #include "filter_label_volume/volume_file.h"
 #include "vcg_ext/base/counted.h"
@@ -97,7 +98,9 @@ class ImportFilter : public host::Filter {
             "filled, the largest part is kept, handles are cut or filled by fronts of simple points, whichever changes "
             "fewer voxels; the log says "
             "what was changed. Smoothing keeps the volume. Run again on the same file and labels, the filter replaces "
-            "its layers.<br><br>"
+            "its layers and removes those of phases that are gone. Layers of another file of the same name stay; the "
+            "new ones then "
+            "have the folder's name in theirs.<br><br>"
             "Returned, one entry per layer: <b>phase</b>: its number; <b>label_volume</b>: of the voxels, mm^3; "
             "<b>volume</b>: of the surface, mm^3; <b>vertices</b>: how many; <b>interpolated_slices</b>: empty slices "
             "that were interpolated; <b>dropped_share</b>: of the working voxels, in smaller parts; "
@@ -181,10 +184,14 @@ class ImportFilter : public host::Filter {
       labelText += (labelText.back() == 'l' ? " " : "+") + std::to_string(label);
 
     std::vector<Figures> figures;
-    long skipped = 0, replaced = 0;
+    EarlierImports earlier(task.layers, files, labelText);
+    if (!earlier.suffix().empty())
+      task.log("Note: layers of another file of this name are in the project, so these are called \"" +
+               stemOf(files.front()) + earlier.suffix() + labelText + "\".");
+    long skipped = 0;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
-      const std::string stem = stemOf(files[static_cast<size_t>(f)]);
+      const std::string stem = stemOf(files[static_cast<size_t>(f)]) + earlier.suffix();
       if (fileCount > 1 && file.phases() > 1)
         throw VolumeError("\"" + files[static_cast<size_t>(f)] + "\" holds " + std::to_string(file.phases()) +
                           " phases by itself; the files of a series hold one each. Import it without file_series.");
@@ -200,7 +207,7 @@ class ImportFilter : public host::Filter {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
           figures.emplace_back(surface, phase, stopwatch.seconds());
-          if (addLayer(task, name, parameters, std::move(surface))) ++replaced;
+          addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
           if (!skip)
             throw AbsentLabelError(place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
@@ -217,10 +224,11 @@ class ImportFilter : public host::Filter {
                              "\"; all were skipped.");
     if (skipped > 0)
       task.log(counted(skipped, "phase was", "phases were") + " skipped, because a label is missing in them");
-    if (replaced > 0)
-      task.log("Note: " + counted(replaced, "layer", "layers") +
-               " of the same name replaced. Where another patient's file has the same name, rename the file or the "
-               "layers before the import.");
+    if (earlier.replacedUnknown() > 0)
+      task.log("Note: " + counted(earlier.replacedUnknown(), "layer", "layers") +
+               " of the same name replaced; which file they came from is not known. Where they are another patient's, "
+               "load them again and rename them, or the file, before the import.");
+    removeLeftOver(task, earlier);
     task.changes.makeFirstNewLayerCurrent();
     return outputsOf(figures);
   }
@@ -259,9 +267,17 @@ class ImportFilter : public host::Filter {
     return "\"" + file + "\"" + (phases > 1 ? ", phase " + std::to_string(phase) : "") + ": ";
   }
 
-  /// Returns whether it takes the place of another one.
-  static bool addLayer(host::Task& task, const std::string& name, const VolumeSurfaceParameters& parameters,
-                       VolumeSurface surface) {
+  static void removeLeftOver(host::Task& task, const EarlierImports& earlier) {
+    const std::vector<host::Layer> layers = earlier.leftOver();
+    if (layers.empty()) return;
+    for (const host::Layer& layer : layers) task.changes.removeLayer(layer);
+    task.log(counted(static_cast<long>(layers.size()), "layer", "layers") +
+             " of an earlier import of this removed, which it does not make again: from \"" + layers.front().label() +
+             "\" to \"" + layers.back().label() + "\"");
+  }
+
+  static void addLayer(host::Task& task, EarlierImports& earlier, size_t file, const std::string& name,
+                       const VolumeSurfaceParameters& parameters, VolumeSurface surface) {
     if (parameters.cutHandles && parameters.keepLargestComponent) {
       const ClosedSurface sphere(surface.vertices, surface.faces, name);  // what was promised is checked
     }
@@ -269,7 +285,8 @@ class ImportFilter : public host::Filter {
     layer.label = name;
     layer.vertices = std::move(surface.vertices);
     layer.faces = std::move(surface.faces);
-    return task.changes.addLayer(layer);
+    earlier.place(layer, file);
+    task.changes.addLayer(layer);
   }
 };
 

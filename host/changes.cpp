@@ -236,7 +236,7 @@ int Changes::commit() {
     if (change.replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
   }
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
-  for (const int id : removedIds_) removeLayer(document_, id);
+  for (const int id : removedIds_) host::removeLayer(document_, id);
   // MeshLab makes the layer behind one that goes the current one, whichever was.
   if (!removedIds_.empty() && Layers(document_).find(current)) document_.setCurrentMesh(current);
   return changed;

@@ -61,6 +61,9 @@ class Changes {
   /// Returns whether it takes the place of another one.
   bool addLayer(const NewLayer& layer);
 
+  /// Removes a layer.
+  void removeLayer(const Layer& layer) { removedIds_.push_back(layer.id()); }
+
   /// Removes the layers of this kind that an earlier run made and this one does not replace. Called after the last
   /// addLayer. What was loaded from a file, by its name, stays.
   void removeOtherLayers(LayerKind kind);

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import volume_files as files
-from documents import snapshot
+from documents import content, snapshot
 from environment import DATA, require
 
 IMPORT = "create_layers_from_label_volume"
@@ -70,6 +70,137 @@ def test_a_second_run_replaces_the_layers(tmp_path):
     path.write_bytes(files.nifti(two))
     ms.apply_filter(IMPORT, file_name=str(path), labels="2")
     assert [m.label() for m in ms] == ["egg label 1", "egg label 2"]
+
+
+# ---------------------------------------------------------------- imports into one project, one after another
+
+
+def labels_of(ms):
+    return [m.label() for m in ms]
+
+
+def phases_of(count, shift=0):
+    """A 4D file of eggs."""
+    return files.nifti(np.stack([np.roll(files.egg(), t + shift, 0) for t in range(count)], -1))
+
+
+def patients(folder, content_a, content_b, name="seg.nii"):
+    """Two files of one name: patient a's and patient b's."""
+    paths = []
+    for patient, content in (("a", content_a), ("b", content_b)):
+        (folder / patient).mkdir()
+        paths.append(written(folder / patient, name, content))
+    return paths
+
+
+def test_another_patients_file_of_the_same_name_gets_layers_of_its_own(tmp_path):
+    a, b = patients(tmp_path, phases_of(3), phases_of(2, shift=4))
+    ms, _ = imported(a)
+    held = [content(m) for m in ms]
+    ms.apply_filter(IMPORT, file_name=str(b))
+    of_a, of_b = [f"seg label 1 phase {t:02d}" for t in range(3)], [f"seg (b) label 1 phase {t:02d}" for t in range(2)]
+    assert labels_of(ms) == of_a + of_b
+    assert [content(m) for m in ms][:3] == held
+    for path in (b, a, b):  # again: each replaces its own
+        ms.apply_filter(IMPORT, file_name=str(path), voxel_size=2)
+        assert labels_of(ms) == of_a + of_b
+    assert np.allclose(ms.mesh(3).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0), [4, 0, 0], atol=0.3)
+
+
+def test_a_third_folder_of_the_same_name(tmp_path):
+    """The folder's name does not tell them apart either."""
+    ms = pymeshlab.MeshSet()
+    for parent in ("x", "y", "z"):
+        (tmp_path / parent / "scan").mkdir(parents=True)
+        ms.apply_filter(IMPORT, file_name=str(written(tmp_path / parent / "scan", "seg.nii", files.nifti(files.egg()))))
+    assert labels_of(ms) == ["seg label 1", "seg (scan) label 1", "seg (scan 2) label 1"]
+
+
+def test_a_name_of_its_own_is_kept_when_the_other_file_is_gone(tmp_path):
+    a, b = patients(tmp_path, files.nifti(files.egg()), files.nifti(files.egg()))
+    ms, _ = imported(a)
+    ms.apply_filter(IMPORT, file_name=str(b))
+    ms.set_current_mesh(0)
+    ms.delete_current_mesh()
+    ms.apply_filter(IMPORT, file_name=str(b))
+    assert labels_of(ms) == ["seg (b) label 1"]
+
+
+def test_a_file_is_the_same_however_it_is_named(tmp_path, monkeypatch):
+    path = written(tmp_path, "egg.nii", files.nifti(files.egg()))
+    (tmp_path / "sub").mkdir()
+    ms, _ = imported(path)
+    ms.apply_filter(IMPORT, file_name=str(tmp_path / "sub" / ".." / "egg.nii"))
+    monkeypatch.chdir(tmp_path)
+    ms.apply_filter(IMPORT, file_name="egg.nii")
+    assert labels_of(ms) == ["egg label 1"]
+
+
+def test_phases_that_the_file_no_longer_has_are_removed(tmp_path):
+    path = written(tmp_path, "seg.nii", phases_of(4))
+    other = written(tmp_path, "other.nii", phases_of(4))
+    ms, _ = imported(path)
+    ms.apply_filter(IMPORT, file_name=str(other))
+    ms.set_current_mesh(3)
+    ms.apply_filter("generate_copy_of_current_mesh")
+    ms.current_mesh().set_label("kept by hand")
+    path.write_bytes(phases_of(2))
+    ms.apply_filter(IMPORT, file_name=str(path))
+    of_other = [f"other label 1 phase {t:02d}" for t in range(4)]
+    assert sorted(labels_of(ms)) == sorted(["seg label 1 phase 00", "seg label 1 phase 01", "kept by hand", *of_other])
+
+
+def test_other_labels_of_the_file_stay(tmp_path):
+    def two_labels(phases):
+        one = files.egg()
+        one[:10] *= 2
+        return files.nifti(np.stack([one] * phases, -1))
+
+    path = written(tmp_path, "seg.nii", two_labels(3))
+    ms, _ = imported(path)
+    ms.apply_filter(IMPORT, file_name=str(path), labels="2")
+    path.write_bytes(two_labels(2))
+    ms.apply_filter(IMPORT, file_name=str(path), labels="2")
+    assert labels_of(ms) == [f"seg label 1 phase {t:02d}" for t in range(3)] + [f"seg label 2 phase {t:02d}" for t in range(2)]
+
+
+def test_files_that_a_series_no_longer_has_are_removed(tmp_path):
+    for patient in ("a", "b"):
+        (tmp_path / patient).mkdir()
+        for t in (8, 9, 10):
+            written(tmp_path / patient, f"ph_{t}.nii", files.nifti(files.egg()))
+    a, b = tmp_path / "a" / "ph_9.nii", tmp_path / "b" / "ph_9.nii"
+    ms, _ = imported(a, file_series=True)
+    ms.apply_filter(IMPORT, file_name=str(b), file_series=True)
+    of_a, of_b = ([f"ph_{t}{suffix} label 1" for t in (8, 9, 10)] for suffix in ("", " (b)"))
+    assert labels_of(ms) == of_a + of_b
+    (tmp_path / "b" / "ph_10.nii").unlink()
+    ms.apply_filter(IMPORT, file_name=str(b))  # this file alone: the others are not asked for
+    assert labels_of(ms) == of_a + of_b
+    ms.apply_filter(IMPORT, file_name=str(b), file_series=True)
+    assert labels_of(ms) == of_a + of_b[:2]
+
+
+def test_layers_of_an_unknown_file_are_replaced(tmp_path):
+    """Files do not keep where a layer came from; layers loaded again are taken for the same import's."""
+    path = written(tmp_path, "egg.nii", files.nifti(files.egg()))
+    ms, _ = imported(path)
+    ms.save_current_mesh(str(tmp_path / "egg label 1.ply"))
+    again = pymeshlab.MeshSet()
+    again.load_new_mesh(str(tmp_path / "egg label 1.ply"))
+    again.apply_filter(IMPORT, file_name=str(path), voxel_size=2)
+    assert again.mesh_number() == 1
+
+
+def test_a_refused_import_removes_nothing(tmp_path):
+    path = written(tmp_path, "seg.nii", phases_of(3))
+    ms, _ = imported(path)
+    empty = np.stack([files.egg(), files.egg(value=0)], -1)
+    path.write_bytes(files.nifti(empty))
+    before = snapshot(ms)
+    with pytest.raises(pymeshlab.PyMeshLabException):
+        ms.apply_filter(IMPORT, file_name=str(path))
+    assert snapshot(ms) == before
 
 
 # ---------------------------------------------------------------- formats
