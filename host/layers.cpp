@@ -10,6 +10,7 @@
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/map/sphere_coordinates.h"
 #include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/mesh/usable_extent.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -70,7 +71,11 @@ LayerKind Layer::kind() const {
   return LayerKind::Surface;
 }
 
-MeshSurface Layer::surface() const { return surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label()); }
+MeshSurface Layer::surface() const {
+  MeshSurface mesh = surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label());
+  requireUsableExtent(mesh.surface);
+  return mesh;
+}
 
 std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
   const auto stored = pointAttribute(mesh_->cm, spherePositionAttribute);

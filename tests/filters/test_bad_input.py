@@ -6,7 +6,7 @@ import pymeshlab
 import pytest
 
 import surfaces
-from documents import (ATTRIBUTE, EVALUATE, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, apply_by_menu_name, layers,
+from documents import (ATTRIBUTE, COLOR, EVALUATE, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, apply_by_menu_name, layers,
                        mapped_cycle, positions, refused, small_cycle, snapshot, written_script)
 from surfaces import egg
 
@@ -176,6 +176,60 @@ def test_any_unit_of_length_works(scale):
     assert returned["flipped_faces"] == 0
     add(ms, v, f, "egg in mm")
     assert returned["area_ratio_sd"] == pytest.approx(ms.apply_filter(ROOT)["area_ratio_sd"], rel=0.01)
+
+
+def flattened(ms, number):
+    """Gives a layer a matrix that maps it into an oblique plane."""
+    axis = np.array([1.0, 2, 3]) / np.sqrt(14)
+    m = np.eye(4)
+    m[:3, :3] -= np.outer(axis, axis)
+    ms.set_current_mesh(number)
+    ms.apply_filter("set_matrix", transformmatrix=m, freeze=False)
+
+
+def scaled(ms, number, scale):
+    ms.set_current_mesh(number)
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([scale, scale, scale, 1]), freeze=False)
+
+
+NOT_COMPUTABLE = {
+    "flattened by its matrix": (flattened, "it is flat: all its vertices lie in one plane", "Matrix: Reset Current Matrix"),
+    "too large": (lambda ms, n: scaled(ms, n, 1e160), "its coordinates reach", "Transform: Scale, Normalize"),
+    "a little too large": (lambda ms, n: scaled(ms, n, 1e52), "beyond 1e+50 nothing can be computed", "Transform: Scale, Normalize"),
+    "too small": (lambda ms, n: scaled(ms, n, 1e-160), "below 1e-50 nothing can be computed", "Transform: Scale, Normalize"),
+}
+
+
+@pytest.mark.parametrize("case", NOT_COMPUTABLE)
+@pytest.mark.parametrize("name", [ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL])
+def test_what_cannot_be_computed_with_is_refused(name, case):
+    """Topologically all is well, and there are maps."""
+    spoil, *words = NOT_COMPUTABLE[case]
+    ms = mapped_cycle(3)
+    if name == MODEL:
+        ms.apply_filter(REMESH)
+    bad = 4 if name == MODEL else 1
+    spoil(ms, bad)
+    with refused(ms, f'"{ms.mesh(bad).label()}"', *words):
+        ms.apply_filter(name)
+
+
+@pytest.mark.parametrize("scale", [1e-45, 1e45])
+def test_the_figures_are_right_up_to_these_bounds(scale):
+    found = []
+    for unit in (1, scale):
+        ms = pymeshlab.MeshSet()
+        for widening in (1, 1.1, 1.15):
+            v, f = egg()
+            add(ms, v * [widening, 1, 1] / 35 * unit, f, str(widening))
+        ms.set_current_mesh(0)
+        ms.apply_filter(ROOT)
+        propagated = ms.apply_filter(PROPAGATE)
+        remeshed = ms.apply_filter(REMESH)
+        model = ms.apply_filter(MODEL)
+        found.append(np.concatenate([propagated["area_ratio_sd"], propagated["residual_mean"] / unit,
+                                     remeshed["surface_distance_mean"] / unit, model["eigenvalues"] / unit / unit]))
+    assert found[1] == pytest.approx(found[0], rel=1e-3, abs=1e-6)
 
 
 def test_the_smallest_surface_works():

@@ -35,6 +35,8 @@ class SurfaceError : public Error {
     Handles,                  ///< genus above 0
     InwardOrientation,        ///< encloses a negative volume
     ZeroArea,                 ///< no face has an area
+    Flat,                     ///< all vertices lie in one plane
+    CoordinateRange,          ///< so large or so small that squares and products of lengths leave the range of numbers
   };
   SurfaceError(Defect what, long howMany, long firstIndex, const std::string& text)
       : Error(text), defect(what), count(howMany), first(firstIndex) {}

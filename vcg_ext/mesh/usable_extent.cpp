@@ -1,0 +1,50 @@
+#include "vcg_ext/mesh/usable_extent.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace sphere_propagation {
+namespace {
+
+using Defect = SurfaceError::Defect;
+
+[[noreturn]] void fail(const ClosedSurface& surface, Defect defect, const std::string& text) {
+  throw SurfaceError(defect, surface.vertexCount(), 0, "Layer \"" + surface.name() + "\": " + text);
+}
+
+std::string number(double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
+void requireUsableExtent(const ClosedSurface& surface) {
+  const Points& vertices = surface.vertices();
+  const Eigen::RowVector3d low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
+  const double coordinate = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  if (coordinate > largestCoordinate)
+    fail(surface, Defect::CoordinateRange,
+         "its coordinates reach " + number(coordinate) + ", and beyond " + number(largestCoordinate) +
+             " nothing can be computed. Bring all layers to a unit such as mm (\"Transform: Scale, Normalize\").");
+  const double extent = (high - low).maxCoeff();
+  if (extent < smallestExtent)
+    fail(surface, Defect::CoordinateRange,
+         "it is " + number(extent) + " large, and below " + number(smallestExtent) +
+             " nothing can be computed. Bring all layers to a unit such as mm (\"Transform: Scale, Normalize\").");
+  const Points centred = (vertices.rowwise() - 0.5 * (low + high)) / extent;
+  const Eigen::RowVector3d mean = centred.colwise().mean();
+  const Eigen::Matrix3d scatter =
+      (centred.transpose() * centred) / static_cast<double>(vertices.rows()) - mean.transpose() * mean;
+  const Vector3 squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  if (squares[0] < smallestThickness * smallestThickness * squares[2])
+    fail(surface, Defect::Flat,
+         "it is flat: all its vertices lie in one plane. If its matrix flattens it, undo that (\"Matrix: Reset Current "
+         "Matrix\"); else load the mesh again.");
+}
+
+}  // namespace sphere_propagation
