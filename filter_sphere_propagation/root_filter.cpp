@@ -4,6 +4,7 @@
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/map/root_map.h"
+#include "vcg_ext/mesh/sphere_fit.h"
 
 namespace sphere_propagation {
 namespace {
@@ -77,6 +78,7 @@ class RootFilter : public host::Filter {
     if (!storageNote.empty()) task.log(storageNote);
     const double seconds = stopwatch.seconds();
     if (const std::string note = sizeNote(task.layers); !note.empty()) task.log("Note: " + note + ".");
+    if (const std::string note = sphereNote(layer, mesh.surface); !note.empty()) task.log(note);
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) + " s (" +
              nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") + ", " +
              counted(result.steps, "step", "steps") + ")");
@@ -88,6 +90,19 @@ class RootFilter : public host::Filter {
   }
 
  private:
+  /// A sphere looks the same from all sides.
+  static std::string sphereNote(const host::Layer& layer, const ClosedSurface& surface) {
+    constexpr double round = 1e-4;
+    if (layer.kind() == host::LayerKind::Sphere)
+      return "Note: layer \"" + layer.label() +
+             "\" lies on the unit sphere, so the other filters take it for one that \"Show parameterisation as sphere "
+             "layers\" made, and leave it out. Where it is a surface, scale it.";
+    if (deviationFromSphere(surface.vertices()) > round) return {};
+    return "Note: layer \"" + layer.label() +
+           "\" is itself a sphere: any rotation of its map is as good, and nothing tells how other spheres are to be "
+           "turned to match it.";
+  }
+
   static std::string sizeNote(const host::Layers& layers) {
     const int current = layers.currentId();
     const std::string note = LargestLayer(layers.visible(host::LayerKind::Surface)).note(current);

@@ -47,6 +47,20 @@ def test_the_log_names_a_layer_in_another_pose():
     assert "Warning: phantom cavity 02" not in log
 
 
+def test_the_log_says_that_a_root_is_a_sphere():
+    sphere = """
+def sphere(radius, centre=0.0):
+    ms.apply_filter("create_sphere", radius=radius, subdiv=3)
+    ms.apply_filter("compute_matrix_from_translation", traslmethod="XYZ translation", axisx=centre)
+    ms.set_current_mesh(ms.current_mesh_id())
+    ms.apply_filter("compute_spherical_parameterisation_root")
+"""
+    assert "is itself a sphere: any rotation of its map is as good" in log_of(sphere + "sphere(35, 100)")
+    assert "lies on the unit sphere, so the other filters take it for one" in log_of(sphere + "sphere(1)")
+    log = log_of(f"ms.apply_filter({ROOT!r})")
+    assert "itself a sphere" not in log and "unit sphere" not in log
+
+
 def test_a_filter_error_does_not_leave_a_dead_log_behind():
     """PyMeshLab keeps a MeshSet's log in the plugin when a filter throws, also after that MeshSet is gone."""
     log = log_of(f"""
