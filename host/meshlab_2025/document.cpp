@@ -4,6 +4,27 @@
 #include <utility>
 
 namespace sphere_propagation::host {
+namespace {
+
+/// An attribute refers to the vertices that it was made for, and a mesh that is moved does not tell it that they are
+/// now another mesh's: MeshLab's own filters would read freed memory. So it is made again.
+template <class Value>
+void renewAttributes(CMeshO& mesh) {
+  using Allocator = vcg::tri::Allocator<CMeshO>;
+  std::vector<std::string> names;
+  Allocator::GetAllPerVertexAttribute<Value>(mesh, names);
+  for (const std::string& name : names) {
+    auto old = Allocator::FindPerVertexAttribute<Value>(mesh, name);
+    std::vector<Value> values;
+    values.reserve(mesh.vert.size());
+    for (size_t v = 0; v < mesh.vert.size(); ++v) values.push_back(old[v]);
+    Allocator::DeletePerVertexAttribute(mesh, name);
+    auto renewed = Allocator::AddPerVertexAttribute<Value>(mesh, name);
+    for (size_t v = 0; v < values.size(); ++v) renewed[v] = values[v];
+  }
+}
+
+}  // namespace
 
 std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
   std::vector<const MeshModel*> meshes;
@@ -21,6 +42,8 @@ std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::st
 
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   layer.cm = std::move(mesh);
+  renewAttributes<Point3m>(layer.cm);
+  renewAttributes<Scalarm>(layer.cm);
   layer.updateBoxAndNormals();
   layer.updateDataMask();
 }
