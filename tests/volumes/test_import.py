@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import volume_files as files
-from documents import content, snapshot
+from documents import content, failed, snapshot
 from environment import DATA, require
 
 IMPORT = "create_layers_from_label_volume"
@@ -198,6 +198,7 @@ def test_a_refused_import_removes_nothing(tmp_path):
     empty = np.stack([files.egg(), files.egg(value=0)], -1)
     path.write_bytes(files.nifti(empty))
     before = snapshot(ms)
+    failed.append(ms)
     with pytest.raises(pymeshlab.PyMeshLabException):
         ms.apply_filter(IMPORT, file_name=str(path))
     assert snapshot(ms) == before
@@ -300,6 +301,7 @@ def test_numbered_series(tmp_path):
 def refused(path, *words, **parameters):
     """The filter throws, its text has these words, the document stays as it was, memory does not grow by much."""
     ms = pymeshlab.MeshSet()
+    failed.append(ms)
     ms.create_cube()
     before, memory = snapshot(ms), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(pymeshlab.PyMeshLabException) as error:
