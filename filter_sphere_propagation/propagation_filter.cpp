@@ -10,6 +10,7 @@
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/map/certificate.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/propagation/mirroring.h"
 #include "vcg_ext/propagation/motion_propagation.h"
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/propagation/similarity_tree.h"
@@ -107,6 +108,7 @@ class PropagationFilter : public host::Filter {
         "repair; <b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of Robust lost it "
         "and "
         "alignment with its parent gave it, 2 where that failed as well and it came as published; "
+        "<b>mirrored</b>: 1 where a layer was found to be a mirror image of the others and was reflected, else 0; "
         "<b>branch_distance</b>, <b>branch_angle</b>: in Cyclic time, how far the maps of the two branches are apart "
         "where they "
         "meet, on average, on the surface in the mesh's unit and on the sphere in degrees; " +
@@ -146,6 +148,11 @@ class PropagationFilter : public host::Filter {
          "Store how far each vertex lies from what was brought onto its layer as its quality, in place of what quality "
          "the layer had; \"Colorize by vertex quality\" shows it.",
          false},
+        {"mirror_layers", "Mirror layers",
+         "Reflect a layer that is a mirror image of the others, a left bone among right ones, before its map is made: "
+         "<b>this changes its surface</b>. It is reflected across the plane through its centroid normal to x, its "
+         "faces are turned so that they look outward. Without, such a layer is named in the log only.",
+         false},
         host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
                         "As published: scale each layer to the extents of its parent along the principal axes before "
                         "corresponding vertices are looked for.",
@@ -166,7 +173,7 @@ class PropagationFilter : public host::Filter {
   }
 
   host::Outputs run(host::Task& task) const override {
-    const Sequence sequence = readSequence(task);
+    Sequence sequence = readSequence(task);
     const MeshSurface& rootMesh = sequence.meshes[static_cast<size_t>(sequence.root)];
     const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
     const std::optional<SphereMap> rootMap = rootLayer.map(rootMesh);
@@ -177,7 +184,11 @@ class PropagationFilter : public host::Filter {
     if (const std::string note = LargestLayer(sequence.layers).note(rootLayer.id()); !note.empty())
       task.log("Note: the root is layer \"" + rootLayer.label() + "\"; " + note +
                ". For a heart cycle, end-diastole is the better root.");
-    const PropagationTree tree = makeTree(task, sequence, surfaces);
+    if (static_cast<Order>(task.values.choice("order")) != Order::Given && !task.values.text("parents").empty())
+      task.log("Warning: parents is not looked at, since it belongs to the order Given.");
+    PropagationTree tree = makeTree(task, sequence, surfaces);
+    Eigen::VectorXd mirrored = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(surfaces.size()));
+    if (task.values.flag("mirror_layers")) mirrorLayers(task, sequence, surfaces, tree, mirrored);
 
     PropagationParameters parameters;
     parameters.method = task.values.choice("method") == 1 ? PropagationMethod::AsPublished : PropagationMethod::Robust;
@@ -200,6 +211,7 @@ class PropagationFilter : public host::Filter {
       task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) + " of " +
                counted(tree.size() - 1, "layer", "layers"));
     host::Outputs outputs = write(task, sequence, propagated.layers);
+    outputs["mirrored"] = mirrored;
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
       const auto label = [&](int i) { return sequence.layers[static_cast<size_t>(i)].label(); };
@@ -245,11 +257,11 @@ class PropagationFilter : public host::Filter {
           (text.empty() ? "" : "; ") + std::string("it lies in another pose and was laid on its parent for the fit (") +
           shortNumber(propagated.pose.shift) + " away, turned by " + shortNumber(propagated.pose.angle) + " degrees)";
     if (propagated.pose.mirrored)
-      text +=
-          (text.empty() ? "" : "; ") + std::string(
-                                           "its mirror image fits its parent far better: is it a left one "
-                                           "among right ones? Mirror it first (\"Transform: Flip and/or swap axis\", "
-                                           "then \"Invert Faces Orientation\")");
+      text += (text.empty() ? "" : "; ") +
+              std::string(
+                  "its mirror image fits its parent far better: is it a left one "
+                  "among right ones? Run the filter again with mirror_layers (\"Mirror layers\"), "
+                  "which reflects it");
     const double size = propagated.relativeSize;
     if (size > differentSize || size < 1 / differentSize)
       text += (text.empty() ? "" : "; ") + std::string("it is ") + shortNumber(size > 1 ? size : 1 / size) + " times " +
@@ -300,8 +312,6 @@ class PropagationFilter : public host::Filter {
                                   const std::vector<ClosedSurface>& surfaces) {
     const int count = static_cast<int>(surfaces.size());
     const auto order = static_cast<Order>(task.values.choice("order"));
-    if (order != Order::Given && !task.values.text("parents").empty())
-      task.log("Warning: parents is not looked at, since it belongs to the order Given.");
     switch (order) {
       case Order::Time:
         return timeOrder(count, sequence.root);
@@ -322,6 +332,32 @@ class PropagationFilter : public host::Filter {
                            sequence.layers[static_cast<size_t>(tree.root())].label() + "\", but root_layer is \"" +
                            sequence.layers[static_cast<size_t>(sequence.root)].label() + "\". Make them the same.");
     return tree;
+  }
+
+  /// Reflects the layers that are mirror images of the others: in `surfaces`, in `sequence` and, when all is done, in
+  /// the document. mirrored: 1 for each of them.
+  static void mirrorLayers(host::Task& task, Sequence& sequence, std::vector<ClosedSurface>& surfaces,
+                           PropagationTree& tree, Eigen::VectorXd& mirrored) {
+    ThreadPool pool(std::max(0, task.values.integer("threads")));
+    for (bool again = true; again;) {
+      again = false;
+      const std::vector<std::optional<double>> planes = findMirrorPlanes(surfaces, tree, pool);
+      for (size_t i = 0; i < surfaces.size(); ++i) {
+        double& done = mirrored[static_cast<Eigen::Index>(i)];
+        if (!planes[i] || done != 0) continue;
+        done = 1;
+        surfaces[i] = mirrorImage(surfaces[i], *planes[i]);
+        sequence.meshes[i].surface = surfaces[i];
+        task.changes.mirror(sequence.layers[i], *planes[i]);
+        task.log(
+            sequence.layers[i].label() +
+            ": is a mirror image of the others, and was reflected across the plane x = " + shortNumber(*planes[i]) +
+            " through its centroid. Its surface is changed; save it, or reflect the layer again to go back.");
+        // Which shapes are alike may be another matter now.
+        again = static_cast<Order>(task.values.choice("order")) == Order::SimilarityTree;
+      }
+      if (again) tree = makeTree(task, sequence, surfaces);
+    }
   }
 
   static host::Outputs write(host::Task& task, const Sequence& sequence,

@@ -42,6 +42,55 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
   return mesh;
 }
 
+void setMatrix(CMeshO& mesh, const Eigen::Matrix4d& matrix) {
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column)
+      mesh.Tr.ElementAt(row, column) = static_cast<Scalarm>(matrix(row, column));
+}
+
+/// Exchanges corners 1 and 2, and so the sides 0 and 2.
+void turn(CFaceO& face, bool hasTexture) {
+  std::swap(face.V(1), face.V(2));
+  if (hasTexture) std::swap(face.WT(1), face.WT(2));
+  const bool first = face.IsF(0), last = face.IsF(2);  // sides that are drawn, or lie inside a polygon
+  last ? face.SetF(0) : face.ClearF(0);
+  first ? face.SetF(2) : face.ClearF(2);
+}
+
+void mirrorLayer(MeshModel& layer, double plane) {
+  CMeshO& mesh = layer.cm;
+  Eigen::Matrix4d reflection = Eigen::Matrix4d::Identity();
+  reflection(0, 0) = -1;
+  reflection(0, 3) = 2 * plane;
+  const Eigen::Matrix4d matrix = matrixFromVcg(mesh.Tr);
+  Eigen::Matrix4d ofVertices = matrix.inverse() * reflection * matrix;
+  if (!ofVertices.allFinite()) {
+    ofVertices = reflection * matrix;
+    setMatrix(mesh, Eigen::Matrix4d::Identity());
+  }
+  const Eigen::Matrix3d linear = ofVertices.topLeftCorner<3, 3>();
+  const Vector3 shift = ofVertices.topRightCorner<3, 1>();
+  const auto moved = [&](const Point3m& p, const Vector3& by) -> Point3m {
+    const Vector3 q = linear * Vector3(p[0], p[1], p[2]) + by;
+    return {static_cast<Scalarm>(q[0]), static_cast<Scalarm>(q[1]), static_cast<Scalarm>(q[2])};
+  };
+  const bool hasDirections = layer.hasDataMask(MeshModel::MM_VERTCURVDIR);
+  for (CVertexO& v : mesh.vert) {
+    if (v.IsD()) continue;
+    v.P() = moved(v.cP(), shift);
+    if (!hasDirections) continue;
+    v.PD1() = moved(v.cPD1(), Vector3::Zero());
+    v.PD2() = moved(v.cPD2(), Vector3::Zero());
+  }
+  layer.clearDataMask(MeshModel::MM_FACEFACETOPO |
+                      MeshModel::MM_VERTFACETOPO);  // MeshLab makes them where it needs them
+  const bool hasTexture = layer.hasDataMask(MeshModel::MM_WEDGTEXCOORD);
+  for (CFaceO& face : mesh.face)
+    if (!face.IsD()) turn(face, hasTexture);
+  updateBoxAndNormals(layer);
+  layer.setMeshModified();
+}
+
 /// A label without the "(1)" that MeshLab appends to the second layer of a name.
 QString withoutNumber(const QString& label) {
   static const QRegularExpression number("\\(\\d+\\)$");
@@ -56,6 +105,11 @@ struct Changes::MapChange {
   std::vector<Point3m> positions;  // empty: they do not hold the map
   std::optional<TextureCopy> texture;
   std::optional<int> root;  // nothing: the layer itself
+};
+
+struct Changes::MirrorChange {
+  int layerId;
+  double plane;
 };
 
 struct Changes::ColorChange {
@@ -133,6 +187,8 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, cons
 
 void Changes::setMark(const Layer& layer, const char* name, int value) { marks_.push_back({layer.id(), name, value}); }
 
+void Changes::mirror(const Layer& layer, double plane) { mirrors_.push_back({layer.id(), plane}); }
+
 void Changes::setColors(const Layer& layer, const MeshSurface& surface, Colors colors) {
   colors_.push_back({layer.id(), surface.meshVertex, std::move(colors)});
 }
@@ -168,6 +224,10 @@ void Changes::removeOtherLayers(LayerKind kind) {
 
 int Changes::commit() {
   int changed = MeshModel::MM_NONE;
+  for (const MirrorChange& change : mirrors_) {
+    mirrorLayer(*document_.getMesh(static_cast<unsigned int>(change.layerId)), change.plane);
+    changed |= MeshModel::MM_VERTCOORD | MeshModel::MM_FACEVERT;
+  }
   for (MapChange& change : maps_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     if (change.positions.empty()) {
@@ -226,9 +286,7 @@ int Changes::commit() {
     MeshModel* mesh = change.replacedId >= 0 ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
                                              : document_.addNewMesh("", qt(change.label), false);
     replaceMesh(*mesh, std::move(*change.mesh));
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        mesh->cm.Tr.ElementAt(row, column) = static_cast<Scalarm>(change.matrix(row, column));
+    setMatrix(mesh->cm, change.matrix);
     mesh->setMeshModified();
     if (first && (firstBecomesCurrent_ || document_.mm() == nullptr)) document_.setCurrentMesh(mesh->id());
     first = false;

@@ -47,6 +47,11 @@ class Changes {
   /// Puts a mark on a layer, see layers.h.
   void setMark(const Layer& layer, const char* name, int value);
 
+  /// Reflects what a layer shows across the plane x = plane, and turns its faces so that they look outward as before,
+  /// with what belongs to their corners; normals are made anew. The matrix stays, unless it flattens the layer: then it
+  /// becomes the identity. A map that is set is that of the mirrored surface.
+  void mirror(const Layer& layer, double plane);
+
   /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read as.
   void setColors(const Layer& layer, const MeshSurface& surface, Colors colors);
 
@@ -77,12 +82,14 @@ class Changes {
 
  private:
   struct MapChange;
+  struct MirrorChange;
   struct ColorChange;
   struct QualityChange;
   struct MarkChange;
   struct LayerChange;
   MeshDocument& document_;
   std::vector<MapChange> maps_;
+  std::vector<MirrorChange> mirrors_;
   std::vector<ColorChange> colors_;
   std::vector<QualityChange> qualities_;
   std::vector<MarkChange> marks_;

@@ -62,6 +62,9 @@ std::optional<Eigen::VectorXd> copyScalarAttribute(Mesh& mesh, const std::string
 /// updates normals, box and data mask. The layer's matrix, label and visibility stay.
 void replaceMesh(MeshModel& layer, CMeshO&& mesh);
 
+/// After vertices were moved or faces turned.
+void updateBoxAndNormals(MeshModel& layer);
+
 /// Takes a layer off the document.
 void removeLayer(MeshDocument& document, int id);
 

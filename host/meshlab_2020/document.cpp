@@ -49,6 +49,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
 }
 
+void updateBoxAndNormals(MeshModel& layer) { layer.UpdateBoxAndNormals(); }
+
 void removeLayer(MeshDocument& document, int id) { document.delMesh(document.getMesh(id)); }
 
 void enableTextureCoordinates(MeshModel& layer) {

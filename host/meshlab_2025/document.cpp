@@ -48,6 +48,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   layer.updateDataMask();
 }
 
+void updateBoxAndNormals(MeshModel& layer) { layer.updateBoxAndNormals(); }
+
 void removeLayer(MeshDocument& document, int id) { document.delMesh(static_cast<unsigned int>(id)); }
 
 void enableTextureCoordinates(MeshModel& layer) { layer.updateDataMask(MeshModel::MM_VERTTEXCOORD); }

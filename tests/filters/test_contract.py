@@ -19,6 +19,7 @@ PARAMETERS = {
         "parents": "",
         "area_restoration": 0.0,
         "residual_quality": False,
+        "mirror_layers": False,
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,
@@ -49,7 +50,7 @@ PARAMETERS = {
 RETURNED = {
     PHANTOM: {"layers", "vertices", "seconds"},
     ROOT: set(FIGURES),
-    PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", "route", *FIGURES},
+    PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", "route", "mirrored", *FIGURES},
     REMESH: {"surface_distance_mean", "surface_distance_max", "seconds"},
     EVALUATE: {"valid", "degree", "root", *FIGURES},
     SPHERES: {"layers"},

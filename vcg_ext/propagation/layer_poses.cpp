@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "vcg_ext/propagation/mirroring.h"
 #include "vcg_ext/propagation/shape_alignment.h"
 
 namespace sphere_propagation {
@@ -10,14 +11,6 @@ namespace {
 
 constexpr double nearEnough = 0.05;  // in R
 constexpr double farBetter = 1.6;
-
-ClosedSurface mirrorImage(const ClosedSurface& surface) {
-  Points vertices = surface.vertices();
-  vertices.col(0) = -vertices.col(0);
-  Triangles faces = surface.faces();
-  faces.col(1).swap(faces.col(2));
-  return {vertices, faces, surface.name()};
-}
 
 /// Whether another pose, or the mirror image, could fit far better than the shape does at this distance.
 bool mayFitFarBetter(const AlignedShape& shape, const AlignedShape& as, double distance) {

@@ -1,0 +1,190 @@
+"""mirror_layers of the propagation: layers that are mirror images of the others are reflected before they get their map."""
+import numpy as np
+import pymeshlab
+import pytest
+
+from documents import EVALUATE, PROPAGATE, REMESH, ROOT, add, content, landmark_layers, layer, positions, refused, snapshot
+from environment import files_of
+from surfaces import egg
+
+
+def lopsided(phase, turn=0):
+    """A shape without any plane of symmetry, which shrinks a little from phase to phase."""
+    v, f = egg(14, 20, radii=(40, 30, 22))
+    d = v / np.linalg.norm(v, axis=1, keepdims=True)
+    bump = 1 + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1)) + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+    return v * bump[:, None] * (1 - 0.02 * phase) + [5, 6, 7], f
+
+
+def centroid(v, f):
+    corners = v[f]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return (corners.mean(1) * areas[:, None]).sum(0) / areas.sum()
+
+
+def mirrored(v, f, plane=None):
+    """Across x = plane; through the centroid where none is given."""
+    plane = centroid(v, f)[0] if plane is None else plane
+    return np.stack([2 * plane - v[:, 0], v[:, 1], v[:, 2]], 1), f[:, [0, 2, 1]]
+
+
+def project(shapes, **more):
+    ms = pymeshlab.MeshSet()
+    for i, (v, f) in enumerate(shapes):
+        add(ms, v, f, f"shape {i}", **more)
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    return ms
+
+
+def hearts():
+    ms = pymeshlab.MeshSet()
+    for path in files_of("heart_truth/mc")[::4]:
+        ms.load_new_mesh(str(path))
+    return [(m.vertex_matrix(), m.face_matrix()) for m in ms]
+
+
+def landmarks(ms):
+    ms.apply_filter(REMESH)
+    return [m.vertex_matrix() for m in landmark_layers(ms)]
+
+
+def volume(v, f):
+    a, b, c = (v[f[:, k]] - v.mean(0) for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+def test_a_mirrored_heart_among_others_is_as_if_it_never_was():
+    shapes = hearts()
+    plain = project(shapes)
+    assert not plain.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"].any()
+    expected = landmarks(plain)
+    ms = project([mirrored(*s) if i in (2, 5) else s for i, s in enumerate(shapes)])
+    figures = ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)
+    assert np.flatnonzero(figures["mirrored"]).tolist() == [2, 5]
+    assert np.abs(ms.mesh(2).vertex_matrix() - shapes[2][0]).max() < 1e-10
+    assert volume(ms.mesh(2).vertex_matrix(), ms.mesh(2).face_matrix()) > 0
+    normals = ms.mesh(2).vertex_normal_matrix(), plain.mesh(2).vertex_normal_matrix()
+    assert np.abs(normals[0] - normals[1]).max() < 1e-6
+    evaluated = ms.apply_filter(EVALUATE)
+    assert evaluated["valid"].all() and np.abs(evaluated["degree"] - 1).max() < 1e-9 and not evaluated["flipped_faces"].any()
+    for found, wanted in zip(landmarks(ms), expected):
+        assert np.linalg.norm(found - wanted, axis=1).mean() < 0.05
+
+
+def test_a_mirrored_heart_elsewhere_is_mirrored_and_its_pose_found():
+    """The landmarks are the mirror images of those of the original, but for the pose, which is aligned instead of known."""
+    shapes = hearts()
+    plain = project(shapes)
+    plain.apply_filter(PROPAGATE, order="Cyclic time")
+    expected = landmarks(plain)[2]
+    ms = project([mirrored(*s, plane=0) if i == 2 else s for i, s in enumerate(shapes)])
+    assert np.flatnonzero(ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"]).tolist() == [2]
+    difference = landmarks(ms)[2] - expected
+    assert np.ptp(difference[:, 0]) < 4  # they differ by a shift, and little else: landmarks lie 3 mm apart
+    assert np.linalg.norm(difference - difference.mean(0), axis=1).mean() < 1.5
+
+
+@pytest.mark.parametrize("method", ["Robust", "As published"])
+@pytest.mark.parametrize("order", ["Time", "Cyclic time", "Similarity tree", "Star"])
+def test_every_order_and_method(method, order):
+    ms = project([mirrored(*lopsided(t)) if t in (1, 3) else lopsided(t) for t in range(5)])
+    figures = ms.apply_filter(PROPAGATE, order=order, method=method, mirror_layers=True)
+    assert figures["mirrored"].tolist() == [0, 1, 0, 1, 0]
+    assert not figures["flipped_faces"].any()
+    for t in range(5):
+        assert np.abs(ms.mesh(t).vertex_matrix() - lopsided(t)[0]).max() < 1e-10
+
+
+def test_without_the_option_surfaces_stay():
+    shapes = [lopsided(0), mirrored(*lopsided(1)), lopsided(2)]
+    ms = project(shapes)
+    before = [content(m) for m in ms]
+    assert not ms.apply_filter(PROPAGATE)["mirrored"].any()
+    for m, was in zip(ms, before):
+        now = content(m)
+        assert all(now[name] == was[name] for name in ("vertices", "faces", "vertex normals", "face normals", "matrix"))
+
+
+def test_a_second_run_finds_nothing_to_mirror():
+    ms = project([lopsided(0), mirrored(*lopsided(1)), lopsided(2)])
+    assert ms.apply_filter(PROPAGATE, mirror_layers=True)["mirrored"].tolist() == [0, 1, 0]
+    before = snapshot(ms)
+    assert not ms.apply_filter(PROPAGATE, mirror_layers=True)["mirrored"].any()
+    assert snapshot(ms) == before
+
+
+MATRICES = {
+    "turned and moved": np.array([[0, -1, 0, 10], [1, 0, 0, -4], [0, 0, 1, 3], [0, 0, 0, 1.0]]),
+    "one that mirrors": np.diag([1.0, -1, 1, 1]),
+    "stretched": np.array([[2, 0.3, 0, 1], [0, 1, 0, 2], [0, 0, 3, 3], [0, 0, 0, 1.0]]),
+}
+
+
+@pytest.mark.parametrize("matrix", list(MATRICES.values()), ids=list(MATRICES))
+def test_what_is_seen_is_mirrored_and_the_matrix_stays(matrix):
+    """A layer that is seen as a mirror image, through its matrix."""
+    seen, faces = mirrored(*lopsided(1))
+    stored = (seen - matrix[:3, 3]) @ np.linalg.inv(matrix[:3, :3]).T
+    if np.linalg.det(matrix[:3, :3]) < 0:  # faces are stored so that the stored mesh is outward
+        faces = faces[:, [0, 2, 1]]
+    ms = project([lopsided(0), (stored, faces), lopsided(2)])
+    ms.set_current_mesh(1)
+    # freeze=False keeps the matrix beside the vertices
+    ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    ms.set_current_mesh(0)
+    assert ms.apply_filter(PROPAGATE, mirror_layers=True)["mirrored"].tolist() == [0, 1, 0]
+    assert np.abs(ms.mesh(1).transform_matrix() - matrix).max() < 1e-12
+    now = ms.mesh(1).vertex_matrix() @ matrix[:3, :3].T + matrix[:3, 3]
+    assert np.abs(now - lopsided(1)[0]).max() < 1e-9
+    assert volume(ms.mesh(1).vertex_matrix(), ms.mesh(1).face_matrix()) > 0
+    assert ms.apply_filter(EVALUATE)["valid"].all()
+
+
+def test_what_belongs_to_vertices_and_corners_stays_with_them():
+    v, f = mirrored(*lopsided(1))
+    corners = np.random.default_rng(0).random((3 * len(f), 2))
+    colors = np.random.default_rng(1).random((len(v), 4))
+    ms = pymeshlab.MeshSet()
+    add(ms, *lopsided(0), "right")
+    add(ms, v, f, "left", w_tex_coords_matrix=corners, v_color_matrix=colors)
+    left = layer(ms, "left")
+    left.add_vertex_custom_scalar_attribute(np.arange(len(v), dtype=float), "number")
+    colors = left.vertex_color_matrix()
+
+    def corner_texture(mesh):
+        """{(face, vertex): texture coordinates}"""
+        texture, faces = mesh.wedge_tex_coord_matrix().reshape(-1, 3, 2), mesh.face_matrix()
+        return {(i, int(faces[i, k])): tuple(texture[i, k]) for i in range(len(faces)) for k in range(3)}
+
+    before = corner_texture(left)
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    ms.apply_filter(PROPAGATE, mirror_layers=True)
+    left = layer(ms, "left")
+    assert corner_texture(left) == before
+    assert np.array_equal(left.vertex_color_matrix(), colors)
+    assert np.array_equal(left.vertex_custom_scalar_attribute_array("number"), np.arange(len(v)))
+    assert len(positions(left)) == len(v)
+
+
+def test_a_refused_run_mirrors_nothing():
+    ms = project([lopsided(0), mirrored(*lopsided(1)), lopsided(2)])
+    with refused(ms, "area restoration must lie between 0 and 1"):
+        ms.apply_filter(PROPAGATE, mirror_layers=True, area_restoration=2.0)
+
+
+@pytest.mark.parametrize("order", ["Similarity tree", "Star"])
+def test_skulls_are_their_own_mirror_images(order):
+    """A mirrored finch skull fits the others as well as it did: nothing has to be mirrored."""
+    ms = pymeshlab.MeshSet()
+    for path in files_of("finch_skulls")[:4]:
+        ms.load_new_mesh(str(path))
+    shapes = [(m.vertex_matrix(), m.face_matrix()) for m in ms]
+    residuals = []
+    for which in ([], [2]):
+        ms = project([mirrored(*s) if i in which else s for i, s in enumerate(shapes)])
+        figures = ms.apply_filter(PROPAGATE, order=order, mirror_layers=True)
+        assert not figures["mirrored"].any() and not figures["flipped_faces"].any()
+        residuals.append(figures["residual_mean"][2])
+    assert residuals[1] < 1.2 * residuals[0]
