@@ -20,6 +20,16 @@ std::string withoutZeros(const std::string& digits) {
   return first == std::string::npos ? "0" : digits.substr(first);
 }
 
+bool isCompressed(const std::string& name) {
+  constexpr size_t length = 3;
+  return name.size() > length && name.compare(name.size() - length, length, ".gz") == 0;
+}
+
+/// "x.nii.gz" and "x.nii" say the same of a file.
+std::string uncompressed(const std::string& name) {
+  return isCompressed(name) ? name.substr(0, name.size() - 3) : name;
+}
+
 /// Digits in the order of the numbers that they write.
 struct BySize {
   bool operator()(const std::string& a, const std::string& b) const {
@@ -52,18 +62,21 @@ std::vector<std::string> fileSeries(const std::string& fileName) {
     }
     size_t begin = end;
     while (begin > 0 && isDigit(stem[begin - 1])) --begin;
-    const std::string before = name.substr(0, begin), after = name.substr(end);
+    const std::string before = name.substr(0, begin), after = uncompressed(name).substr(end);
     std::map<std::string, std::string, BySize> found;
-    for (const std::string& other : names) {
+    for (const std::string& file : names) {
+      const std::string other = uncompressed(file);
       if (other.size() <= before.size() + after.size() || other.compare(0, before.size(), before) != 0 ||
           other.compare(other.size() - after.size(), after.size(), after) != 0)
         continue;
       const std::string digits = other.substr(before.size(), other.size() - before.size() - after.size());
       if (!std::all_of(digits.begin(), digits.end(), isDigit)) continue;
-      const auto [at, isNew] = found.emplace(withoutZeros(digits), other);
-      if (!isNew)
-        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second + "\" and \"" + other +
+      const auto [at, isNew] = found.emplace(withoutZeros(digits), file);
+      if (isNew) continue;
+      if (uncompressed(at->second) != other)
+        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second + "\" and \"" + file +
                           "\".");
+      if (isCompressed(file) == isCompressed(name)) at->second = file;  // one file in two forms
     }
     if (found.size() > 1) {
       std::vector<std::string> series;

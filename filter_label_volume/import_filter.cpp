@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -18,6 +19,9 @@
 
 namespace sphere_propagation {
 namespace {
+
+/// Phases whose surface lacks more than this share of the label's volume are named in the log.
+constexpr double mostLoss = 0.1;
 
 std::string shortNumber(double value) {
   char buffer[32];
@@ -206,12 +210,13 @@ class ImportFilter : public host::Filter {
         try {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
+          if (const std::string text = warning(surface); !text.empty()) task.log("Warning: " + name + ": " + text);
           figures.emplace_back(surface, phase, stopwatch.seconds());
           addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
-          if (!skip)
+          if (!skip || phases == 1)
             throw AbsentLabelError(place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
-                                   " Incomplete phases can be skipped (skip_incomplete_phases).");
+                                   (phases > 1 ? " Incomplete phases can be skipped (skip_incomplete_phases)." : ""));
           task.log(name + ": skipped. " + error.what());
           ++skipped;
         } catch (const VolumeError& error) {
@@ -261,6 +266,16 @@ class ImportFilter : public host::Filter {
       outputs[keys[key]] = values;
     }
     return outputs;
+  }
+
+  /// What the user should know about a phase's surface; usually nothing.
+  static std::string warning(const VolumeSurface& surface) {
+    const double kept = 1 - static_cast<double>(surface.dropped.voxels) / static_cast<double>(surface.workingVoxels);
+    const double loss = 1 - surface.volume / (surface.labelVolume * kept);
+    if (!(loss > mostLoss)) return {};
+    return "the surface encloses " + std::to_string(std::lround(100 * loss)) +
+           " % less than the label's voxels. The label is thin for so much smoothing in voxels of this size: choose a "
+           "smaller smoothing, or a smaller voxel_size.";
   }
 
   static std::string place(const std::string& file, int phase, int phases) {

@@ -59,9 +59,8 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
     const T value = from[i * step];
     bool good = true;
     if constexpr (std::is_floating_point_v<T>) {
-      const double whole = std::nearbyint(static_cast<double>(value));
-      good =
-          std::fabs(static_cast<double>(value) - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
+      const double real = header.slope * static_cast<double>(value) + header.shift, whole = std::nearbyint(real);
+      good = std::fabs(real - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
       if (good) grid.labels[i] = static_cast<std::int32_t>(whole);
     } else {
       grid.labels[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(value));

@@ -262,7 +262,8 @@ VolumeHeader readNifti(const std::string& name) {
   const bool oddMatrix = isSheared(*header.toRas) || !agreesWithPixdim(f, second, *header.toRas);
   const std::string twin = unpackedTwin(name);
   // ITK takes NaN for 0 where voxels are real numbers.
-  header.unusual = oddMatrix || !twin.empty() || header.type == VoxelType::Float || header.type == VoxelType::Double;
+  const bool real = header.type == VoxelType::Float || header.type == VoxelType::Double;
+  header.unusual = oddMatrix || !twin.empty() || real;
   header.swapped = f.swapped();
   const double slope = second ? f.get<double>(176) : static_cast<double>(f.get<float>(112));
   const double shift = second ? f.get<double>(184) : static_cast<double>(f.get<float>(116));
@@ -275,7 +276,11 @@ VolumeHeader readNifti(const std::string& name) {
     if (!twin.empty())
       fail("beside it lies \"" + twin +
            "\", which would be read in its place, since its voxels are scaled (scl_slope): move one of the two");
-    header.unusual = false;
+    header.unusual = real;
+    if (real) {
+      header.slope = slope;
+      header.shift = shift;
+    }
   }
 
   const double onDisk = sizeOfFile(fs::u8path(name));

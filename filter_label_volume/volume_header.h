@@ -23,6 +23,7 @@ struct VolumeHeader {
   bool unusual = false;
   std::int64_t voxelsBegin = 0;       ///< NIfTI: byte at which the voxels begin, when the file is unpacked
   VoxelType type = VoxelType::Uint8;  ///< NIfTI: of the voxels
+  double slope = 1, shift = 0;        ///< NIfTI, where ITK does not read it: a voxel stands for slope * number + shift
   bool swapped = false;               ///< NIfTI: their bytes are in the other order than this machine's
   std::vector<std::string> notes;     ///< what the user should know
 };

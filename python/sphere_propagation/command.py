@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 import platform
+import re
 import sys
 import warnings
 from importlib.util import find_spec
@@ -18,7 +19,7 @@ ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tre
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns its exit code: 0 done, 1 something is wrong with the input, 2 with the arguments, 130 interrupted."""
-    options = parser().parse_args(arguments)
+    options = parser().parse_args(_with_parents(sys.argv[1:] if arguments is None else arguments))
     shown: List[progress.Lines] = []
 
     def make_progress(steps: int) -> progress.Lines:
@@ -47,6 +48,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             lines.close()
     print(text, file=sys.stderr)
     return code
+
+
+def _with_parents(arguments: Sequence[str]) -> List[str]:
+    """The same, with `--parents -1,0,1` as one word: argparse would take a list that begins with -1 for an option."""
+    words = list(arguments)
+    for i in range(len(words) - 1, 0, -1):
+        if words[i - 1] == "--parents" and re.match(r"-\d", words[i]):
+            words[i - 1:i + 1] = [f"--parents={words[i]}"]
+    return words
 
 
 def _words(error: BaseException) -> str:
@@ -98,7 +108,7 @@ def _info(options, make_progress) -> int:
 def _choices(options) -> jobs.Choices:
     order = "Given" if options.parents else ORDERS.get(options.order)
     return jobs.Choices(options.root, METHODS[options.method], order, options.parents or "", options.frequency, options.initial_map.capitalize(),
-                        options.area_weight, options.area_restoration, options.pictures, _volume_choices(options))
+                        options.area_weight, options.area_restoration, options.pictures, options.mirror_layers, _volume_choices(options))
 
 
 def _volume_choices(options) -> Dict[str, Any]:
@@ -159,12 +169,13 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     add("--method", choices=list(METHODS), default="robust", help="how a map gets to the next mesh (default: robust)")
     add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
     add("--parents", metavar="LIST", help='instead of --order: for each mesh the number of that which hands it the map, -1 for the root, '
-        'as --parents="-1,0,1"')
+        'as --parents -1,0,1')
     add("--frequency", type=_number(int, 1), default=10, metavar="F", help="10 F^2 + 2 landmarks (default: 10, which gives 1002)")
     add("--initial-map", choices=[name.lower() for name in filters.INITIAL_MAPS], default="automatic",
         help="where the root map starts (default: automatic)")
     add("--area-weight", type=_number(float, 0, 1), default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
     add("--area-restoration", type=_number(float, 0, 1), default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
+    add("--mirror-layers", action="store_true", help="reflect a mesh that is a mirror image of the others, a left bone among right ones")
     add("--labels", metavar="LIST", help='of a label volume: the label, or several to be united, as "1,2" (default: 1)')
     add("--smoothing", type=_number(float, 0, 5), metavar="VOXELS", help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)")
     add("--coordinates", choices=["ras", "lps"], help="of a label volume's surfaces (default: ras)")

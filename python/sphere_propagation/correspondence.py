@@ -73,12 +73,12 @@ def _root_of(parents: Union[str, Sequence[int]], count: int, root: Optional[int]
 
 def correspond(surfaces: Sequence[SurfaceLike], *, root: Optional[int] = None, method: str = "Robust", order: str = "Time",
                frequency: int = 10, initial_map: str = "Automatic", area_weight: float = 0.9, area_restoration: float = 0.0,
-               parents="", root_map: Optional[MapLike] = None, progress=Silent()) -> Correspondence:
+               parents="", root_map: Optional[MapLike] = None, mirror_layers: bool = False, progress=Silent()) -> Correspondence:
     """Corresponding landmarks on a sequence of closed surfaces, by parameterise_root, propagate and remesh, whose parameters it has.
 
     surfaces: in order of time, in one coordinate frame and unit. root: index of the surface that gets the first map; default: the one
     of largest volume, end-diastole of a heart cycle, and in the order Given the one whose parent is -1. root_map: a map of it that
-    exists already. progress: is told what is being done and what was found, as a progress.Lines prints it.
+    exists already. mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps. progress: is told what is being done and what was found, as a progress.Lines prints it.
 
     Raises InputError for arguments out of range, before any work.
     """
@@ -96,7 +96,11 @@ def correspond(surfaces: Sequence[SurfaceLike], *, root: Optional[int] = None, m
     name = method.lower()
     progress.begin(f"{name}: maps of {len(surfaces)} layers")
     propagation = propagate(surfaces, root_map, root_layer=root, method=method, order=order, parents=parents,
-                            area_restoration=area_restoration)
+                            area_restoration=area_restoration, mirror_layers=mirror_layers)
+    for surface, mirrored in zip(surfaces, propagation.figures["mirrored"]):
+        if mirrored:
+            progress.note(f"{surface.name} is a mirror image of the others, and was reflected")
+    surfaces = propagation.surfaces
     figures = dict(propagation.figures)
     figures["seconds"] = figures["seconds"].copy()
     figures["seconds"][root] = root_map.figures.get("seconds", 0.0)

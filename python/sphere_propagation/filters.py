@@ -38,6 +38,7 @@ MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
 MOST_LANDMARKS = 20_000_000  # of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp
 
 MOST_VOLUME_ERROR = 0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
+MOST_LOSS = 0.1  # of the label's volume in its surface, as in filter_label_volume/import_filter.cpp
 MOST_DROPPED = 0.05  # of the voxels, in smaller parts
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
@@ -64,10 +65,11 @@ class Propagation:
     figures: parent (the surface that the map came from, -1 for the root), residual_mean and residual_p95 (distance of the surface's
     vertices from what was brought onto it, in their unit), repaired_faces, route (0 by the method asked for; where Robust lost a
     surface 1 by alignment with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees),
-    seconds.
+    seconds, mirrored (1 for a surface that was reflected, with mirror_layers).
     residuals: where asked for, of each surface the distance of every vertex from what was brought onto it.
     branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the maps of the two branches are apart
     where they meet.
+    surfaces: what the maps are of: those given, but for the ones that were reflected.
     """
 
     maps: List[SphereMap]
@@ -75,6 +77,7 @@ class Propagation:
     residuals: Optional[List[np.ndarray]] = None
     branch_distance: Optional[float] = None
     branch_angle: Optional[float] = None
+    surfaces: Optional[List[Surface]] = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +110,7 @@ def read_label_volume(file, *, labels: Union[str, int, Sequence[int]] = "1", vox
     """
     plugin.require_volumes()
     meshes = layers.mesh_set()
-    text = labels if isinstance(labels, str) else ",".join(str(int(label)) for label in np.atleast_1d(labels))
+    text = labels if isinstance(labels, str) else ",".join(map(str, _whole_numbers("labels", labels)))
     figures = layers.apply(meshes, IMPORT, file_name=str(file), labels=text, voxel_size=voxel_size, smoothing=smoothing,
                            coordinates=coordinates, fill_holes=fill_holes, keep_largest_component=keep_largest_component,
                            cut_handles=cut_handles, file_series=file_series, skip_incomplete_phases=skip_incomplete_phases,
@@ -116,6 +119,17 @@ def read_label_volume(file, *, labels: Union[str, int, Sequence[int]] = "1", vox
     surfaces = [layers.surface_of(mesh) for mesh in meshes]
     _warn_of_changed_labels(surfaces, figures)
     return LabelSurfaces(surfaces, figures)
+
+
+def _whole_numbers(name: str, values) -> List[int]:
+    """One or several, of any type; 1.5 is not taken for 1."""
+    try:
+        numbers = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        numbers = np.array([np.nan])
+    if numbers.ndim != 1 or not np.all(numbers == np.floor(numbers)) or not np.isfinite(numbers).all():
+        raise InputError(f"{name} must be whole numbers, not {values!r}.")
+    return [int(number) for number in numbers]
 
 
 def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
@@ -127,7 +141,9 @@ def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> No
             warnings.warn(f"{where}: {amounts[worst]:.3g} {words}.", SpherePropagationWarning, stacklevel=4)
 
     kept = figures["label_volume"] * (1 - figures["dropped_share"])
-    warn(100 * np.where(figures["interpolated_slices"] > 0, 0, np.abs(figures["volume"] / kept - 1)), 100 * MOST_VOLUME_ERROR,
+    loss = 1 - figures["volume"] / kept
+    warn(100 * loss, 100 * MOST_LOSS, "% of the label's volume are missing in the surface: choose a smaller smoothing, or a smaller voxel_size")
+    warn(100 * np.where((figures["interpolated_slices"] > 0) | (loss > MOST_LOSS), 0, np.abs(loss)), 100 * MOST_VOLUME_ERROR,
          "% lie between the volume of the surface and that of its voxels")
     warn(100 * figures["dropped_share"], 100 * MOST_DROPPED, "% of the label's voxels were dropped with its smaller parts")
     warn(figures["interpolated_slices"], 0, "slices without the label were interpolated")
@@ -149,7 +165,7 @@ def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", a
 
 
 def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer: int = 0, method: str = "Robust", order: str = "Time",
-              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, residual_quality: bool = False,
+              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, residual_quality: bool = False, mirror_layers: bool = False,
               anisotropic_scaling: bool = True, icp_iterations: int = 30, smoothing_sweeps: int = 50, threads: int = 0) -> Propagation:
     """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
 
@@ -159,6 +175,8 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
     residual_quality: whether `residuals` is returned.
+    mirror_layers: reflect a surface that is a mirror image of the others, a left bone among right ones, before its map is made: the maps
+    are then those of `surfaces` in what is returned.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with any number.
 
@@ -169,10 +187,10 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     if not 0 <= root_layer < len(surfaces):
         raise InputError(f"Layer {root_layer} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}.")
     if not isinstance(parents, str):
-        parents = ", ".join(str(int(parent)) for parent in parents)
+        parents = ", ".join(map(str, _whole_numbers("parents", parents)))
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
     figures = layers.apply(meshes, PROPAGATE, root_layer=root_layer, method=method, order=order, parents=parents,
-                           area_restoration=area_restoration, residual_quality=residual_quality,
+                           area_restoration=area_restoration, residual_quality=residual_quality, mirror_layers=mirror_layers,
                            anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations, smoothing_sweeps=smoothing_sweeps,
                            threads=threads)
     if len(figures["parent"]) != len(surfaces):
@@ -182,7 +200,9 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     maps = [layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))]
     residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
-    return Propagation(maps, figures, residuals, *branches)
+    as_mapped = [layers.surface_of(meshes.mesh(i), surface.name) if figures["mirrored"][i] else surface
+                 for i, surface in enumerate(surfaces)]
+    return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
 
 
 def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) -> None:

@@ -83,7 +83,7 @@ def _drawings(section: Section) -> List[Drawing]:
             Drawing(f"{prefix}model.png", "how good the model is", lambda path: model_pictures.measures(model, path, unit=unit),
                     "By number of modes: the share of the variance that they hold; how far a shape that the model has not seen lies from its "
                     "best approximation; how far random shapes of the model lie from the nearest real one. Bands are standard errors."),
-            Drawing(f"{prefix}scores.png", "scores over the phases", lambda path: model_pictures.scores(model, path, closed=closed),
+            Drawing(f"{prefix}scores.png", "scores over the phases", lambda path: model_pictures.scores(model, path, closed=closed, phases=rows[0].numbers()),
                     "Where each phase lies along the first modes."),
             Drawing(f"{prefix}volume.png", "volume over the phases", lambda path: model_pictures.volumes(rows[0], path, section.true_volumes),
                     "What the surfaces enclose." + (" The dashed line is what is known of the phantom: the difference comes from the slices."

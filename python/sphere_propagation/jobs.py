@@ -34,6 +34,7 @@ class Choices(NamedTuple):
     area_weight: float = 0.9
     area_restoration: float = 0.0
     pictures: bool = True
+    mirror_layers: bool = False
     volume: Dict[str, Any] = {}  # of read_label_volume, what is given
 
     def parameters(self) -> Dict[str, Any]:
@@ -57,19 +58,30 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
         check_arguments(len(paths), root=choices.root, method=choices.method, order=choices.order or "Time", **choices.parameters())
     name = name or _name_of(meshes, paths)
     steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices, with_model=1))
-    surfaces = []
+    surfaces, phases = [], None
     for path in paths:
         steps.begin(f"reading {path.name}")
-        surfaces += filters.read_label_volume(path, **choices.volume).surfaces if files.is_label_volume(path) else [files.read_mesh(path)]
+        if files.is_label_volume(path):
+            volume = filters.read_label_volume(path, **choices.volume)
+            surfaces += volume.surfaces
+            phases = volume.figures["phase"] if len(paths) == 1 else None  # some may have been skipped
+        else:
+            surfaces.append(files.read_mesh(path))
+    if len(surfaces) == 1 and files.is_label_volume(paths[0]):
+        raise InputError(f"{paths[0]} gives one surface: landmarks that correspond take two or more. One volume has no phases; give a volume "
+                         "of several (4D), or the files of all of them.")
+    if len(surfaces) == 1:
+        raise InputError(f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all meshes of the sequence, or "
+                         "their folder.")
     where = paths[0].name + (f" to {paths[-1].name}" if len(paths) > 1 else "")
     steps.done(f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
                f"{sum(len(surface.vertices) for surface in surfaces)} vertices")
     results = ResultFolder(folder)
     results.create()  # before the work, not after
     result = correspond(surfaces, root=choices.root, method=choices.method, order=choices.order or "Time", progress=steps,
-                        **choices.parameters())
+                        mirror_layers=choices.mirror_layers, **choices.parameters())
     labels = all(map(files.is_label_volume, paths))
-    row = Row(name, result, unit="mm" if labels else None)
+    row = Row(name, result, unit="mm" if labels else None, phases=phases)
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
     runs = [report.Run(name, result)]
@@ -161,6 +173,7 @@ class _Named:
     def __init__(self, steps: Lines, name: str):
         self.begin = lambda text: steps.begin(f"{name}: {text}")
         self.done = lambda text: steps.done(f"{name}: {text}")
+        self.note = lambda text: steps.note(f"{name}: {text}")
 
 
 def _write_layers(results: ResultFolder, name: str, row: Row, steps: Lines) -> None:

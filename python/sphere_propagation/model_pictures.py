@@ -104,15 +104,15 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     plt.close(figure)
 
 
-def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3) -> None:
+def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3, phases: Optional[Sequence[int]] = None) -> None:
     """Scores of the first modes over the phases, in standard deviations; and the way through the plane of the first two.
 
-    closed: the last phase is followed by the first.
+    closed: the last phase is followed by the first. phases: their numbers; default: from 0.
     """
     plt = matplotlib_pyplot()
     shown = min(shown, len(model.modes))
     units = model.scores[:, :shown] / np.sqrt(model.eigenvalues[:shown])
-    phases = np.arange(len(units))
+    phases = np.arange(len(units)) if phases is None else np.asarray(phases)
     plane = shown > 1
     figure, axes = plt.subplots(1, 1 + plane, figsize=(12.4 if plane else 7.6, 4.6), dpi=170, squeeze=False,
                                 gridspec_kw={"width_ratios": (1.55, 1)[:1 + plane]})
@@ -124,20 +124,20 @@ def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3) -> 
     over.set_title("Scores over the phases", fontsize=13, color=INK, loc="left", weight="bold")
     over.set_xlabel("phase", fontsize=11, color=GREY)
     over.set_ylabel("standard deviations", fontsize=11, color=GREY)
-    over.set_xlim(-0.5, len(phases) - 0.5)
+    over.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
     low, high = units.min(), units.max()
     over.set_ylim(low - 0.1 * (high - low), high + 0.32 * (high - low))
     over.xaxis.get_major_locator().set_params(integer=True)
     over.legend(fontsize=10.5, loc="upper left", ncol=3, labelcolor=INK, frameon=False)
     quiet_axes(over)
     for axis in rest:
-        way = np.r_[phases, 0] if closed else phases
+        way = np.r_[0:len(phases), 0] if closed else np.arange(len(phases))
         axis.plot(units[way, 0], units[way, 1], color="#9ca3af", lw=1.4, zorder=1)
         colors = plt.get_cmap("twilight_shifted" if closed else "viridis")(np.linspace(0.1, 0.9, len(phases)))
         axis.scatter(units[:, 0], units[:, 1], c=colors, s=46, zorder=2, edgecolors="white", linewidths=0.8)
         step = max(1, len(phases) // 6)
-        for phase in range(0, len(phases) - step // 2, step):
-            axis.annotate(str(phase), units[phase, :2], textcoords="offset points", xytext=(7, 5), fontsize=10, color=INK)
+        for i in range(0, len(phases) - step // 2, step):
+            axis.annotate(str(phases[i]), units[i, :2], textcoords="offset points", xytext=(7, 5), fontsize=10, color=INK)
         axis.set_title("The way through the first two modes", fontsize=13, color=INK, loc="left", weight="bold")
         axis.set_xlabel("mode 1, standard deviations", fontsize=11, color=GREY)
         axis.set_ylabel("mode 2, standard deviations", fontsize=11, color=GREY)
@@ -154,20 +154,21 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
     per_unit, unit = (1000, "ml") if row.unit == "mm" else (1, "unit³")
     values = np.abs([surface.volume for surface in row.result.surfaces]) / per_unit
     figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=170)
-    axis.plot(values, color=ROBUST, lw=2.4, marker="o", ms=4, label=f"{row.title}" if truth is not None else None)
+    phases = row.numbers()
+    axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=f"{row.title}" if truth is not None else None)
     if truth is not None:
-        axis.plot(np.abs(truth) / per_unit, color=GREY, lw=1.8, ls=(0, (4, 3)), label="the phantom itself")
+        axis.plot(phases, np.abs(truth) / per_unit, color=GREY, lw=1.8, ls=(0, (4, 3)), label="the phantom itself")
     others = values if truth is None else np.abs(truth) / per_unit
     most, least = int(values.argmax()), int(values.argmin())
     for phase, at, above in ((most, max(values[most], others[most]), 10), (least, min(values[least], others[least]), -19)):
-        axis.annotate(f"{values[phase]:.4g} {unit}", (phase, at), textcoords="offset points", xytext=(8, above), fontsize=11, color=INK)
+        axis.annotate(f"{values[phase]:.4g} {unit}", (phases[phase], at), textcoords="offset points", xytext=(8, above), fontsize=11, color=INK)
     title = "Volume over the phases"
     if row.result.order == "Cyclic time" and values.max() > 0:
         title += f": {100 * (1 - values.min() / values.max()):.0f} % ejected"
     axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold")
     axis.set_xlabel("phase", fontsize=11, color=GREY)
     axis.set_ylabel(f"volume, {unit}", fontsize=11, color=GREY)
-    axis.set_xlim(-0.5, len(values) - 0.5)
+    axis.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
     axis.set_ylim(0, 1.2 * values.max())
     axis.xaxis.get_major_locator().set_params(integer=True)
     if truth is not None:

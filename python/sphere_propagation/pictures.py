@@ -136,7 +136,7 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
             draw(scene, row.result, phase)
             panels[-1].append(scene.image())
             surface = row.result.surfaces[phase]
-            captions[-1].append(f"phase {phase}, {abs(surface.volume) / 1000:.0f} ml" if row.unit == "mm" else surface.name)
+            captions[-1].append(f"phase {row.numbers()[phase]}, {abs(surface.volume) / 1000:.0f} ml" if row.unit == "mm" else surface.name)
     _set(panels, captions, path, title, names, landmark_count)
 
 

@@ -15,6 +15,11 @@ class Row(NamedTuple):
     result: Correspondence
     unit: Optional[str] = None  # of lengths; with "mm" volumes are written in ml
     up: Optional[Sequence[float]] = None  # direction; default: along the root's long axis
+    phases: Optional[Sequence[int]] = None  # the number of each surface's phase; default: as they come, from 0
+
+    def numbers(self) -> List[int]:
+        """Of the phases."""
+        return [int(phase) for phase in self.phases] if self.phases is not None else list(range(len(self.result.surfaces)))
 
 
 def upright(vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: float = 26.0) -> np.ndarray:

@@ -93,7 +93,7 @@ def test_a_name_that_is_a_path_is_refused_before_any_work(heart, tmp_path, capsy
 def test_options_reach_the_filters(heart, tmp_path, capsys):
     out = tmp_path / "out"
     files = sorted(heart.iterdir())
-    assert run("run", *files, "-o", out, "--name", "given", "--parents=2,0,-1", "--method", "published", "--frequency", 2,
+    assert run("run", *files, "-o", out, "--name", "given", "--parents", "2,0,-1", "--method", "published", "--frequency", 2,
                "--area-weight", 0.5, "--no-pictures") == 0
     found = rows(out)
     assert [row["parent"] for row in found] == ["2", "0", "-1"] and {row["method"] for row in found} == {"As published"}
@@ -223,6 +223,17 @@ def test_arguments_that_do_not_fit_the_meshes_end_with_2_before_any_work(heart, 
     (heart / "phantom cavity 00.ply").write_text("not read")
     assert words in refusal(capsys, "run", heart, "-o", tmp_path / "out", option, code=2)
     assert not (tmp_path / "out").exists() and capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("given", [["--parents", "-1,0,1"], ["--parents=-1,0,1"], ["--parents", "-1, 0, 1"]])
+def test_parents_that_begin_with_the_root(heart, tmp_path, given):
+    """argparse by itself takes -1,0,1 for an option."""
+    assert run("run", heart, "-o", tmp_path / "out", *given, "--frequency", 2, "--no-pictures") == 0
+    assert [row["parent"] for row in rows(tmp_path / "out")] == ["-1", "0", "1"]
+
+
+def test_a_single_mesh(heart, tmp_path, capsys):
+    assert "gives one surface" in refusal(capsys, "run", next(iter(heart.iterdir())), "-o", tmp_path / "out", code=2)
 
 
 def test_interrupting_it(tmp_path):

@@ -182,3 +182,21 @@ def test_filters_refuse_in_their_own_words(cycle):
         sp.propagate([*cycle.surfaces[:2], (cycle.landmarks[2], cycle.landmark_faces)], cycle.root_map)
     for error in (sp.FilterError, sp.InputError, sp.FileError, sp.PluginError):
         assert issubclass(error, sp.SpherePropagationError)
+
+
+def test_a_mirrored_surface_is_reflected_and_returned(cycle):
+    """The maps and landmarks are those of the reflected surface, which is what the result holds."""
+    shapes = []
+    for i, surface in enumerate(cycle.surfaces[:3]):
+        v = surface.vertices - surface.vertices.mean(0)
+        d = v / np.linalg.norm(v, axis=1, keepdims=True)
+        bump = 1 + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1)) + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+        v, f = d * bump[:, None] * [40, 30, 22], surface.faces
+        shapes.append(sp.Surface(v * [-1, 1, 1], f[:, [0, 2, 1]], "left") if i == 1 else sp.Surface(v, f, f"right {i}"))
+    made = sp.correspond(shapes, root=0, frequency=4, mirror_layers=True)
+    assert made.figures["mirrored"].tolist() == [0, 1, 0]
+    assert made.surfaces[0] is shapes[0] and made.surfaces[1].name == "left"
+    was, now = shapes[1].vertices, made.surfaces[1].vertices
+    assert np.ptp(now[:, 0] + was[:, 0]) < 1e-9 and np.array_equal(now[:, 1:], was[:, 1:]) and made.surfaces[1].volume > 0
+    assert sp.evaluate(made.surfaces, made.maps)["valid"].all()
+    assert not sp.propagate(shapes, made.root_map).figures["mirrored"].any()

@@ -71,7 +71,45 @@ def test_good_labels_are_read_without_a_word(volume):
     sp.read_label_volume(volume)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_thin_label_that_loses_much_is_warned_of(tmp_path):
+    """A plate three voxels thick, smoothed by five: the phase, how much is lost, and what to do."""
+    labels = np.zeros((24, 24, 12), np.uint8)
+    labels[3:21, 3:21, 4:7] = 1
+    (tmp_path / "plate.nii").write_bytes(volume_files.nifti(labels))
+    with pytest.warns(sp.SpherePropagationWarning, match=r"plate label 1: [\d.]+ % of the label's volume are missing in the surface: choose a "
+                      "smaller smoothing, or a smaller voxel_size"):
+        figures = sp.read_label_volume(tmp_path / "plate.nii", smoothing=2).figures
+    assert figures["volume"][0] < 0.9 * figures["label_volume"][0]
+
+
+@pytest.mark.parametrize("labels", [1.5, [1, 2.5], float("nan"), [[1, 2]], {"a": 1}])
+def test_labels_that_are_no_whole_numbers(volume, labels):
+    with pytest.raises(sp.InputError, match="labels must be whole numbers, not"):
+        sp.read_label_volume(volume, labels=labels)
+
+
 # ---------------------------------------------------------------- the command
+
+
+def test_one_volume_has_no_phases(tmp_path, capsys):
+    (tmp_path / "one.nii").write_bytes(volume_files.nifti(volume_files.egg()))
+    assert run("run", tmp_path / "one.nii", "-o", tmp_path / "out") == 2
+    error = capsys.readouterr().err
+    assert "one.nii gives one surface" in error and "One volume has no phases" in error and not (tmp_path / "out").exists()
+    assert run("run", tmp_path / "one.nii", "-o", tmp_path / "out", "--labels", "7") == 1
+    assert "label 7" in (error := capsys.readouterr().err) and "skip" not in error
+
+
+def test_pictures_number_the_phases_as_the_file_does(tmp_path, monkeypatch):
+    """Phases that were skipped keep their numbers."""
+    labels = beat(4)
+    labels[..., 1] = 0
+    (tmp_path / "gap.nii").write_bytes(volume_files.nifti(labels))
+    shown = []
+    monkeypatch.setattr("sphere_propagation.gallery.show", lambda results, title, text, sections, draw, steps: shown.extend(sections))
+    assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--frequency", 2, "--no-pictures", "--skip-incomplete-phases") == 0
+    assert shown[0].rows[0].numbers() == [0, 2, 3]
 
 
 def run(*arguments):

@@ -295,6 +295,26 @@ def test_numbered_series(tmp_path):
     assert imported(tmp_path / "t2_seg.mha")[1]["layers"] == 1
 
 
+@pytest.mark.parametrize("type_", ["f4", "f8", "i2"])
+def test_scaled_voxels(tmp_path, type_):
+    """Stored as halves of the labels, or so, and scaled by the header."""
+    plain, _ = imported(written(tmp_path, "plain.nii", files.nifti(2 * files.egg())), labels="2")
+    scaled, _ = imported(written(tmp_path, "scaled.nii", files.nifti(files.egg().astype(type_), slope=2.0)), labels="2")
+    assert np.array_equal(scaled.mesh(0).vertex_matrix(), plain.mesh(0).vertex_matrix())
+
+
+def test_a_series_of_compressed_and_plain_files(tmp_path):
+    for number in (1, 2, 3):
+        content = files.nifti(np.roll(files.egg(), number // 2, 0))
+        written(tmp_path, f"t{number}.nii" + ".gz" * (number == 2), gzip.compress(content) if number == 2 else content)
+    for name in ("t1.nii", "t2.nii.gz"):
+        assert [m.label() for m in imported(tmp_path / name, file_series=True)[0]] == ["t1 label 1", "t2 label 1", "t3 label 1"]
+    written(tmp_path, "t2.nii", files.nifti(np.roll(files.egg(), 5, 1)))  # another form of one of them: as the file that was named
+    projects = [imported(tmp_path / name, file_series=True)[0] for name in ("t1.nii", "t2.nii.gz")]
+    plain, packed = (ms.mesh(1).vertex_matrix() for ms in projects)
+    assert abs(plain.mean(0) - packed.mean(0))[1] > 1
+
+
 # ---------------------------------------------------------------- bad files
 
 
@@ -338,6 +358,7 @@ BAD = {
     "flat matrix.nii": (lambda: files.nifti(files.egg(), np.diag([1.0, 1, 0, 1])), "into a plane"),
     "image.nii": (lambda: files.nifti(files.egg(dtype="f4") * np.float32(0.37)), "first voxel", "whole numbers"),
     "nan voxels.nrrd": (lambda: files.nrrd(np.full((5, 5, 5), np.nan, "f4")), "whole numbers"),
+    "nan in scaled voxels.nii": (lambda: files.nifti(np.where(files.egg() > 0, np.nan, 0).astype("f4"), slope=2.0), "whole numbers", "nan"),
     "nan voxels.nii": (lambda: files.nifti(np.full((5, 5, 5), np.nan, "f4")), "whole numbers", "nan"),
     "infinite.nii.gz": (lambda: gzip.compress(files.nifti(np.full((5, 5, 5), np.inf, "f8"))), "whole numbers", "inf"),
     "too large.nii": (lambda: files.nifti(np.full((5, 5, 5), 2**40, "i8")), "32 bits"),
@@ -391,6 +412,14 @@ def test_a_phase_without_the_label_is_named_or_skipped(tmp_path):
     assert [m.label() for m in ms] == ["gap label 1 phase 00", "gap label 1 phase 02"]
     assert returned["phase"].tolist() == [0, 2]
     refused(path, "all were skipped", skip_incomplete_phases=True, labels="3")
+
+
+def test_a_single_volume_has_no_phases_to_skip(tmp_path):
+    path = written(tmp_path, "one.nii", files.nifti(files.egg()))
+    for skip in (False, True):
+        with pytest.raises(pymeshlab.PyMeshLabException, match="label 3") as caught:
+            imported(path, labels="3", skip_incomplete_phases=skip)
+        assert "skip" not in str(caught.value)
 
 
 # ---------------------------------------------------------------- real hearts
