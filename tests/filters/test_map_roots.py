@@ -126,7 +126,7 @@ def test_copies_keep_their_root_where_they_keep_the_attribute():
 @pytest.mark.parametrize("name, parameters", [
     ("apply_coord_laplacian_smoothing", {"stepsmoothnum": 1}),
     ("compute_matrix_from_translation", {"traslmethod": "XYZ translation", "axisx": 5, "freeze": True}),
-    ("compute_color_by_function_per_vertex", {}),
+    ("apply_color_inverse_per_vertex", {}),
 ])
 def test_filters_that_keep_the_map_keep_its_root(name, parameters):
     ms = mapped_cycle(2)
