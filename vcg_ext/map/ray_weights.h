@@ -19,7 +19,7 @@ inline Vector3 rayWeights(const Vector3& a, const Vector3& b, const Vector3& c, 
 
 /// The unit vector along a direction. Throws ParameterError when it is zero or not finite.
 inline Vector3 unitDirection(const Vector3& direction) {
-  const Vector3 p = direction.stableNormalized();
+  Vector3 p = direction.stableNormalized();
   if (!(std::fabs(p.squaredNorm() - 1) < 1e-6))
     throw ParameterError("A direction to locate on the sphere is zero or not finite.");
   return p;

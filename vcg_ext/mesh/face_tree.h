@@ -66,7 +66,7 @@ class FaceTree {
 
 template <class Query>
 void FaceTree::search(Query& query) const {
-  struct Entry {
+  struct Entry {  // NOLINT(cppcoreguidelines-pro-type-member-init): 64 of them, written before they are read
     double bound;
     Child child;
   };

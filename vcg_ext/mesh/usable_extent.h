@@ -7,8 +7,8 @@
 
 namespace sphere_propagation {
 
-/// The largest coordinate and the smallest extent. Squares of areas are fourth powers of lengths: these are numbers from
-/// 1e-77 to 1e77, and details a good deal smaller than the extent must be, too.
+/// The largest coordinate and the smallest extent. Squares of areas are fourth powers of lengths: these are numbers
+/// from 1e-77 to 1e77, and details a good deal smaller than the extent must be, too.
 constexpr double largestCoordinate = 1e50, smallestExtent = 1e-50;
 
 /// The smallest share of the largest extent, both along principal axes, that makes a surface solid: float matrices that
