@@ -91,7 +91,7 @@ TEST(MotionCycle, TheOtherWayRoundLeadsToEveryLayer) {
     const Points moved = model.movedNodes(around[t]);
     double sum = 0;
     for (Eigen::Index i = 0; i < moved.rows(); ++i)
-      sum += targets[t].locator.closest(moved.row(i).transpose()).distance;
+      sum += targets[t].locator->closest(moved.row(i).transpose()).distance;
     EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
     EXPECT_NE(around[t], fit.coefficients[t]);
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "vcg_ext/propagation/mirroring.h"
-#include "vcg_ext/propagation/shape_alignment.h"
 
 namespace sphere_propagation {
 namespace {
@@ -56,7 +55,12 @@ bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, double 
 
 std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
                                       ThreadPool& pool) {
-  const std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
+  return findLayerPoses(surfaces, alignedShapes(surfaces, pool), tree, pool);
+}
+
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const std::vector<AlignedShape>& shapes, const PropagationTree& tree,
+                                      ThreadPool& pool) {
   std::vector<LayerPose> poses(surfaces.size());
   const std::vector<std::vector<int>> levels = tree.levels();
   const auto find = [&](int t) {

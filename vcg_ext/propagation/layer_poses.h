@@ -11,6 +11,7 @@
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/propagation_tree.h"
 #include "vcg_ext/propagation/rigid_alignment.h"
+#include "vcg_ext/propagation/shape_alignment.h"
 
 namespace sphere_propagation {
 
@@ -29,6 +30,11 @@ struct LayerPose {
 /// for where a difference of volumes alone rules that out. pool: who does the work, with the same result whatever the
 /// number of threads.
 std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces, const PropagationTree& tree,
+                                      ThreadPool& pool);
+
+/// The same where alignedShapes(surfaces) are there already.
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const std::vector<AlignedShape>& shapes, const PropagationTree& tree,
                                       ThreadPool& pool);
 
 /// The surface moved.

@@ -36,16 +36,16 @@ void requireRows(const ClosedSurface& reference, Eigen::Index rows, const char* 
                          " positions.");
 }
 
-}  // namespace
-
-TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices,
-                           const ClosedSurface& target) {
+void requireMoved(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices) {
   requireRows(reference, referenceMap.positions().rows(), "map");
   requireRows(reference, movedVertices.rows(), "moved shape");
   if (!movedVertices.allFinite())
     throw ParameterError("Layer \"" + reference.name() + "\" was moved to positions that are no finite numbers.");
+}
 
-  const SurfaceLocator locator(movedVertices, reference.faces());
+/// locator: of the moved reference.
+TransferredMap readOff(const ClosedSurface& reference, const SphereMap& referenceMap, const SurfaceLocator& locator,
+                       const ClosedSurface& target) {
   const Points normals = vertexNormals(target.vertices(), target.faces());
   const std::vector<double> cosines = leastCosines(target, normals);
   Points positions(target.vertexCount(), 3);
@@ -62,6 +62,20 @@ TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& refe
   Untangled untangled = mend(target, std::move(positions));  // which normalises first
   const Residual residual = residualOf(distances);
   return {std::move(untangled.map), untangled.repairedFaces, residual, std::move(distances)};
+}
+
+}  // namespace
+
+TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices,
+                           const ClosedSurface& target) {
+  requireMoved(reference, referenceMap, movedVertices);
+  return readOff(reference, referenceMap, SurfaceLocator(movedVertices, reference.faces()), target);
+}
+
+TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices,
+                           const ClosedSurface& target, const std::vector<int>& order) {
+  requireMoved(reference, referenceMap, movedVertices);
+  return readOff(reference, referenceMap, SurfaceLocator(movedVertices, reference.faces(), order), target);
 }
 
 }  // namespace sphere_propagation

@@ -34,4 +34,8 @@ struct TransferredMap {
 TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices,
                            const ClosedSurface& target);
 
+/// The same, for a reference that is read off many times. order: of a locator of its faces, wherever its vertices are.
+TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap, const Points& movedVertices,
+                           const ClosedSurface& target, const std::vector<int>& order);
+
 }  // namespace sphere_propagation

@@ -55,7 +55,7 @@ DataTerm dataTermAt(const MotionModel& model, const MotionTarget& target, const 
   for (Eigen::Index i = 0; i < count; ++i) {
     SurfacePoint& point = closest[static_cast<size_t>(i)];
     int& near = nearby[static_cast<size_t>(i)];
-    point = target.locator.closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement, near);
+    point = target.locator->closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement, near);
     near = point.face;
     if (point.face >= 0) distances.push_back(point.distance);
   }
@@ -163,16 +163,20 @@ Eigen::VectorXd MotionVariances::diagonal() const {
 
 MotionPrior fixedMotionPrior() { return {fixedVariances.diagonal().cwiseInverse().asDiagonal(), wideNoise}; }
 
-MotionTarget::MotionTarget(const ClosedSurface& layer)
+MotionTarget::MotionTarget(const ClosedSurface& layer, std::shared_ptr<const SurfaceLocator> locatorOfLayer)
     : surface(&layer),
-      locator(layer.vertices(), layer.faces()),
+      locator(locatorOfLayer ? std::move(locatorOfLayer)
+                             : std::make_shared<const SurfaceLocator>(layer.vertices(), layer.faces())),
       normals(vertexNormals(layer.vertices(), layer.faces())),
       meanVertexArea(faceAreas(layer.vertices(), layer.faces()).sum() / layer.vertexCount()),
       meanEdge(meanEdgeLength(layer.vertices(), layer.faces())) {}
 
-std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
-  return pool.makeEach(static_cast<int>(surfaces.size()),
-                       [&](int i) { return MotionTarget(surfaces[static_cast<size_t>(i)]); });
+std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool,
+                                        const LayerLocators& locators) {
+  return pool.makeEach(static_cast<int>(surfaces.size()), [&](int k) {
+    const auto i = static_cast<size_t>(k);
+    return MotionTarget(surfaces[i], locators.empty() ? nullptr : locators[i]);
+  });
 }
 
 ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,

@@ -9,6 +9,7 @@
 /// unit.
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
@@ -43,16 +44,21 @@ struct ArcEquations {
 
 /// A layer, ready to be fitted to. The surface must outlive it.
 struct MotionTarget {
-  explicit MotionTarget(const ClosedSurface& layer);
+  /// locatorOfLayer: null: one is made.
+  explicit MotionTarget(const ClosedSurface& layer, std::shared_ptr<const SurfaceLocator> locatorOfLayer = nullptr);
 
   const ClosedSurface* surface;
-  SurfaceLocator locator;
+  std::shared_ptr<const SurfaceLocator> locator;
   Points normals;         ///< of the vertices
   double meanVertexArea;  ///< At
   double meanEdge;
 };
 
-std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
+/// Locators of layers: one entry per layer, null where there is none; or empty.
+using LayerLocators = std::vector<std::shared_ptr<const SurfaceLocator>>;
+
+std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool,
+                                        const LayerLocators& locators = {});
 
 struct ArcFit {
   Eigen::VectorXd coefficients;

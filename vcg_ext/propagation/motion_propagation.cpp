@@ -10,11 +10,12 @@
 namespace sphere_propagation {
 namespace {
 
-/// The map of a layer read off the moved root; empty where the fit lost the layer.
-std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap& rootMap, const Points& moved,
-                                      const ClosedSurface& layer) {
+/// The map of a layer read off the moved root; empty where the fit lost the layer. order: of
+/// the root's faces in a locator.
+std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap& rootMap,
+                                      const std::vector<int>& order, const Points& moved, const ClosedSurface& layer) {
   try {
-    TransferredMap map = transferMap(root, rootMap, moved, layer);
+    TransferredMap map = transferMap(root, rootMap, moved, layer, order);
     const double most = mostResidualInEdges * meanEdgeLength(layer.vertices(), layer.faces());
     if (map.residual.mean <= most) return map;
   } catch (const MapError&) {
@@ -27,14 +28,15 @@ std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap
 
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress,
-                            const std::optional<Arc>& closing) {
+                            const std::optional<Arc>& closing, const LayerLocators& locators) {
   const Stopwatch fitting;
   const ClosedSurface& root = surfaces[static_cast<size_t>(tree.root())];
   FollowedMotion followed;
   followed.layers.resize(surfaces.size());
   if (surfaces.size() == 1) return followed;
   const MotionModel model(root, rootMap);
-  const std::vector<MotionTarget> targets = motionTargets(surfaces, pool);
+  const std::vector<MotionTarget> targets = motionTargets(surfaces, pool, locators);
+  const std::vector<int> rootOrder = targets[static_cast<size_t>(tree.root())].locator->order();
   const bool learns = tree.size() - 1 >= leastArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
   std::vector<Eigen::VectorXd> earlier;
@@ -58,7 +60,8 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
   const auto read = [&](int layer, const Eigen::VectorXd& coefficients) {
     const auto i = static_cast<size_t>(layer);
     const Stopwatch reading;
-    std::optional<TransferredMap> map = readMap(root, rootMap, model.movedVertices(coefficients), surfaces[i]);
+    std::optional<TransferredMap> map =
+        readMap(root, rootMap, rootOrder, model.movedVertices(coefficients), surfaces[i]);
     if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
   };
   size_t done = 0;
@@ -84,7 +87,7 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
   if (closing && isThere(closing->from) && isThere(closing->to)) {
     const auto from = static_cast<size_t>(closing->from), to = static_cast<size_t>(closing->to);
     const auto mapOf = [&](const Eigen::VectorXd& coefficients) {
-      return readMap(root, rootMap, model.movedVertices(coefficients), surfaces[to]);
+      return readMap(root, rootMap, rootOrder, model.movedVertices(coefficients), surfaces[to]);
     };
     const bool beyond = closes && closing->to != tree.root();
     std::optional<TransferredMap> carried =

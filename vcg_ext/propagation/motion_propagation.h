@@ -47,6 +47,6 @@ struct FollowedMotion {
 /// other way.
 FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress = {},
-                            const std::optional<Arc>& closing = {});
+                            const std::optional<Arc>& closing = {}, const LayerLocators& locators = {});
 
 }  // namespace sphere_propagation

@@ -133,19 +133,23 @@ Propagation propagate(const std::vector<ClosedSurface>& surfaces, const SphereMa
   followed.layers.resize(surfaces.size());
   std::vector<LayerPose> poses(surfaces.size());
   std::vector<ClosedSurface> inRootsFrame;
+  LayerLocators locators;
   const bool follows = parameters.method == PropagationMethod::Robust;
   const std::vector<double> sizes = relativeSizes(surfaces, tree);
   if (follows) requireOneUnit(surfaces, tree, sizes);
   report(progress, 0);
   ThreadPool pool(parameters.threads);
   if (follows) {
-    poses = findLayerPoses(surfaces, tree, pool);
+    const std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
+    poses = findLayerPoses(surfaces, shapes, tree, pool);
     if (std::any_of(poses.begin(), poses.end(), [](const LayerPose& pose) { return pose.moved; }))
       for (size_t i = 0; i < surfaces.size(); ++i) inRootsFrame.push_back(movedSurface(surfaces[i], poses[i].toRoot));
+    else
+      for (const AlignedShape& shape : shapes) locators.push_back(shape.locator());
   }
   const std::vector<ClosedSurface>& placed = inRootsFrame.empty() ? surfaces : inRootsFrame;
   if (follows)
-    followed = followMotion(placed, rootMap, tree, pool, part(ofArcs, 0, followingShare), parameters.closing);
+    followed = followMotion(placed, rootMap, tree, pool, part(ofArcs, 0, followingShare), parameters.closing, locators);
   overArcs(surfaces, tree, part(ofArcs, follows ? followingShare : 0, 1), [&](int i, const Progress&) {
     const int parent = tree.parent[i];
     if (std::optional<FollowedLayer>& layer = followed.layers[i]) {

@@ -115,7 +115,7 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from, 
       const Vector3 x = motion.rotation * points.row(i).transpose() + motion.translation;
       const Vector3 direction = motion.rotation * from.normals_.row(i).transpose();
       int& near = nearby[static_cast<size_t>(i)];
-      const SurfacePoint closest = to.surface_.closest(x, direction, planeAgreement, near);
+      const SurfacePoint closest = to.surface_->closest(x, direction, planeAgreement, near);
       near = closest.face;
       if (closest.face < 0) continue;
       const Vector3 n = closest.interpolate(to.faces_, to.normals_).normalized();
@@ -152,7 +152,7 @@ AlignedShape::AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& 
       vertices_(surface.vertices()),
       normals_(vertexNormals(surface.vertices(), surface.faces())),
       faces_(surface.faces()),
-      surface_(surface.vertices(), surface.faces()) {}
+      surface_(std::make_shared<const SurfaceLocator>(surface.vertices(), surface.faces())) {}
 
 std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
   return pool.makeEach(static_cast<int>(surfaces.size()),
@@ -220,8 +220,8 @@ double shapeDistance(const AlignedShape& from, const AlignedShape& to, const Rig
     }
     return std::sqrt(sum / static_cast<double>(points.rows()));
   };
-  return (rootMeanSquare(motion.applyTo(from.samples_), to.surface_) +
-          rootMeanSquare(motion.inverse().applyTo(to.samples_), from.surface_)) /
+  return (rootMeanSquare(motion.applyTo(from.samples_), *to.surface_) +
+          rootMeanSquare(motion.inverse().applyTo(to.samples_), *from.surface_)) /
          2;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Laying one shape on another, whatever poses the two are in.
 
+#include <memory>
 #include <vector>
 
 #include "vcg_ext/base/thread_pool.h"
@@ -21,6 +22,8 @@ class AlignedShape {
   const Vector3& centre() const { return centre_; }   ///< by area: vertices lie as the mesh likes
   double radius() const { return radius_; }           ///< of the sphere of the same area
   double volume() const { return volume_; }           ///< enclosed
+  /// Of the surface, for whoever needs one, too: building it costs more than the rest.
+  const std::shared_ptr<const SurfaceLocator>& locator() const { return surface_; }
 
  private:
   friend RigidMotion refinedByPlanes(const RigidMotion&, const AlignedShape&, const AlignedShape&, Eigen::Index,
@@ -38,7 +41,7 @@ class AlignedShape {
   VertexLocator vertices_;
   Points normals_;  // of the vertices
   Triangles faces_;
-  SurfaceLocator surface_;
+  std::shared_ptr<const SurfaceLocator> surface_;
 };
 
 std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
