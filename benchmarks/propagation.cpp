@@ -1,20 +1,11 @@
-// propagation_benchmark [OPTION...] LAYER.ply LAYER.ply ...
-//
-// Does the main job on the layers, the first being the root: maps it, propagates, remeshes. Prints one line: what came
-// of it, and what each step cost. Options:
-//   --method robust|published   default robust
-//   --order time|cyclic|similarity|star   default cyclic
-//   --root N          counted from 0; default 0
-//   --threads N       0 = all; default 0
-//   --repeat N        take the least of N runs, after one that is not counted
-//   --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
-//   --root-map FILE   write the root with its map as px, py, pz
+// What propagation reaches and costs; see the usage below.
 
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -30,6 +21,19 @@
 namespace sphere_propagation::benchmark {
 namespace {
 
+constexpr const char* usage = R"(propagation_benchmark [OPTION...] LAYER.ply LAYER.ply ...
+
+Does the main job on the layers: maps the root, propagates, remeshes. Prints one line: what came of it, and what each
+step cost. scripts/measure-propagation runs it on whole sets of data. Options:
+  --method robust|published   default robust
+  --order time|cyclic|similarity|star   default cyclic
+  --root N          counted from 0; default 0
+  --threads N       0 = all; default 0
+  --repeat N        take the least of N runs, after one that is not counted
+  --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
+  --root-map FILE   write the root with its map as px, py, pz
+)";
+
 struct Options {
   PropagationParameters parameters;
   std::string order = "cyclic", landmarks, rootMap;
@@ -41,7 +45,10 @@ Options optionsOf(const std::vector<std::string>& arguments) {
   Options options;
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const auto value = [&] { return arguments.at(++i); };
+    const auto value = [&] {
+      if (i + 1 == arguments.size()) throw std::invalid_argument(word + " needs a value.\n\n" + usage);
+      return arguments[++i];
+    };
     if (word == "--method") {
       options.parameters.method = value() == "published" ? PropagationMethod::AsPublished : PropagationMethod::Robust;
     } else if (word == "--order") {
@@ -56,6 +63,8 @@ Options optionsOf(const std::vector<std::string>& arguments) {
       options.landmarks = value();
     } else if (word == "--root-map") {
       options.rootMap = value();
+    } else if (word.rfind("--", 0) == 0) {
+      throw std::invalid_argument("There is no option " + word + ".\n\n" + usage);
     } else {
       options.files.push_back(word);
     }
@@ -98,7 +107,9 @@ void run(const Options& options) {
     surfaces.emplace_back(mesh.vertices, mesh.faces, file);
     vertices += surfaces.back().vertexCount();
   }
-  const ClosedSurface& root = surfaces.at(static_cast<size_t>(options.root));
+  if (options.root < 0 || options.root >= static_cast<int>(surfaces.size()))
+    throw std::invalid_argument("There is no layer " + std::to_string(options.root) + " to be the root.");
+  const ClosedSurface& root = surfaces[static_cast<size_t>(options.root)];
   RootMapParameters rootParameters;
   rootParameters.threads = options.parameters.threads;
   std::vector<RootMapResult> rootMap;
@@ -156,7 +167,12 @@ void run(const Options& options) {
 int main(int count, char** arguments) {
   using namespace sphere_propagation::benchmark;
   try {
-    run(optionsOf({arguments + 1, arguments + count}));
+    const Options options = optionsOf({arguments + 1, arguments + count});
+    if (options.files.empty()) {
+      std::printf("%s", usage);
+      return 2;
+    }
+    run(options);
   } catch (const std::exception& error) {
     std::printf("%s\n", error.what());
     return 1;

@@ -96,12 +96,12 @@ TEST(MotionCycle, TheOtherWayRoundLeadsToEveryLayer) {
     EXPECT_NE(around[t], fit.coefficients[t]);
   }
   // The arcs are those of the cycle: one step beyond where the branches meet, from what they bring there.
-  EXPECT_EQ(around[4], fitArc(model, targets[4], fit.coefficients[3], fixedMotionPrior(),
-                              fit.coefficients[4] - fit.coefficients[3], 1)
-                           .coefficients);
-  EXPECT_EQ(around[3], fitArc(model, targets[3], fit.coefficients[4], fixedMotionPrior(),
-                              fit.coefficients[3] - fit.coefficients[4], 1)
-                           .coefficients);
+  const auto beyond = [&](size_t from, size_t to) {
+    return fitArcAgain(model, targets[to], fit.coefficients[from], fixedMotionPrior(),
+                       fit.coefficients[to] - fit.coefficients[from], {fit.equations[to].matrix, fit.factors[to]});
+  };
+  EXPECT_EQ(around[4], beyond(3, 4));
+  EXPECT_EQ(around[3], beyond(4, 3));
 }
 
 TEST(MotionCycle, IsTheSameWithAnyNumberOfThreads) {

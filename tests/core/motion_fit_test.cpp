@@ -82,14 +82,25 @@ TEST(MotionFit, AnEarlierFitSavesAnIteration) {
   const std::vector<MotionTarget> targets = motionTargets(sequence.surfaces, pool);
   const MotionPrior prior = fixedMotionPrior();
   const MotionFit first = fitMotion(model, targets, timeOrder(3, 0), prior, pool);
-  const MotionFit again = fitMotion(model, targets, timeOrder(3, 0), prior, pool, {}, first.coefficients);
+  const MotionFit again = refitMotion(model, targets, timeOrder(3, 0), prior, first.coefficients, pool);
   for (size_t t = 1; t < 3; ++t) {
     const Eigen::VectorXd& before = first.coefficients[t - 1];
-    const double step = (first.coefficients[t] - before).norm();
-    EXPECT_LT((again.coefficients[t] - first.coefficients[t]).norm(), 0.1 * step);
+    const Eigen::VectorXd step = first.coefficients[t] - before;
+    EXPECT_LT((again.coefficients[t] - first.coefficients[t]).norm(), 0.1 * step.norm());
     EXPECT_EQ(fitArc(model, targets[t], before, prior).coefficients, first.coefficients[t]);
     EXPECT_NE(again.coefficients[t], first.coefficients[t]);
+    const Eigen::VectorXd once =
+        fitArcAgain(model, targets[t], before, prior, step, {first.equations[t].matrix, first.factors[t]});
+    EXPECT_LT((once - first.coefficients[t]).norm(), 0.1 * step.norm());
   }
+}
+
+TEST(MotionFit, KeepsTheFactorOfItsSystem) {
+  const Sequence sequence(2, Vector3(1, 0, 0), 0.2);
+  const MotionPrior prior = fixedMotionPrior();
+  const MotionFit fit = fitMotion(sequence.model(), motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
+  const Eigen::MatrixXd system = fit.equations[1].matrix + prior.precision;
+  EXPECT_LT((fit.factors[1].reconstructedMatrix() - system).norm(), 1e-12 * system.norm());
 }
 
 TEST(MotionPrior, TheFixedOneIsDiagonal) {

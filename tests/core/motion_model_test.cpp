@@ -65,6 +65,24 @@ TEST(MotionModel, ProjectsAllForcesAtOnce) {
   EXPECT_LT((model.projectAll(forces) - sum).norm(), 1e-11 * sum.norm());
 }
 
+TEST(MotionModel, SinglePrecisionIsCloseEnough) {
+  const Ellipsoid e;
+  const MotionModel model(e.surface, e.map);
+  const Eigen::VectorXd c = someCoefficients(1);
+  const Points moved = model.movedNodes(c) - model.nodes();
+  const Points nearly = model.movedNodes(c, MotionModel::Precision::Single) - model.nodes();
+  EXPECT_LT((moved - nearly).norm(), 1e-6 * moved.norm());
+  const Eigen::VectorXd sum = model.projectAll(moved);
+  EXPECT_LT((sum - model.projectAll(moved, MotionModel::Precision::Single)).norm(), 1e-6 * sum.norm());
+  const Eigen::VectorXd scales = Eigen::VectorXd::LinSpaced(moved.rows(), 0, 1);
+  const RowsF rows = model.projectEach(moved, scales);
+  Eigen::VectorXd row(MotionModel::columns);
+  for (int i : {0, 17, 500, 1001}) {
+    model.project(i, moved.row(i).transpose(), row.data());
+    EXPECT_LE((rows.row(i).cast<double>().transpose() - scales[i] * row).norm(), 1e-6 * row.norm());
+  }
+}
+
 TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
   const Ellipsoid e;
   const MotionModel model(e.surface, e.map);

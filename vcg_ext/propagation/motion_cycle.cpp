@@ -16,9 +16,9 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const st
       if (here.size() == 0) here = brought[from];
       // It starts beside what the tree brought to the layer, as far as it was beside it before: the nodes lie on the
       // layer then, and one iteration does.
-      here = fit.lost[from] || fit.lost[to]
-                 ? fitArc(model, targets[to], here, prior).coefficients
-                 : fitArc(model, targets[to], here, prior, brought[to] - brought[from], 1).coefficients;
+      here = fit.lost[from] || fit.lost[to] ? fitArc(model, targets[to], here, prior).coefficients
+                                            : fitArcAgain(model, targets[to], here, prior, brought[to] - brought[from],
+                                                          {fit.equations[to].matrix, fit.factors[to]});
       around[to] = here;
     }
   });

@@ -47,16 +47,19 @@ struct DataTerm {
 /// nearby: for each node a face of the layer to look at first, -1 where there is none; the closest ones on return.
 DataTerm dataTermAt(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& c,
                     std::vector<int>& nearby) {
-  const Points moved = model.movedNodes(c), normals = vertexNormals(moved, model.faces());
+  const Points moved = model.movedNodes(c, MotionModel::Precision::Single),
+               normals = vertexNormals(moved, model.faces());
   const Eigen::Index count = moved.rows();
   std::vector<SurfacePoint> closest(static_cast<size_t>(count));
   std::vector<double> distances;
   distances.reserve(closest.size());
+  int last = -1;  // nodes that follow each other are often neighbours
   for (Eigen::Index i = 0; i < count; ++i) {
     SurfacePoint& point = closest[static_cast<size_t>(i)];
     int& near = nearby[static_cast<size_t>(i)];
-    point = target.locator->closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement, near);
-    near = point.face;
+    point = target.locator->closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement,
+                                    near >= 0 ? near : last);
+    near = last = point.face;
     if (point.face >= 0) distances.push_back(point.distance);
   }
   const double scale = std::max(4 * medianOf(distances), target.meanEdge);
@@ -79,13 +82,39 @@ DataTerm dataTermAt(const MotionModel& model, const MotionTarget& target, const 
 /// What the data term says of each coefficient: the sum of w_i (B_i^T m_i) (B_i^T m_i)^T.
 Eigen::MatrixXd informationOf(const MotionModel& model, const DataTerm& data) {
   // In single precision: it says how far to step, not where to, and costs half.
-  RowsF rows(data.weights.size(), all);
-  Eigen::VectorXd row(all);
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    model.project(static_cast<int>(i), data.directions.row(i).transpose(), row.data());
-    rows.row(i) = (std::sqrt(data.weights[i]) * row).cast<float>().transpose();
+  return sumOfOuterProducts(model.projectEach(data.directions, data.weights.cwiseSqrt())).cast<double>();
+}
+
+/// The gradient of the data term, for noise 1.
+Eigen::VectorXd pullOf(const MotionModel& model, const DataTerm& data) {
+  return model.projectAll(data.pull, MotionModel::Precision::Single);
+}
+
+/// Fits layer after layer. fitOne(fit so far, s, t): the arc from layer s to layer t.
+template <class Function>
+MotionFit overTree(const std::vector<MotionTarget>& targets, const PropagationTree& tree, ThreadPool& pool,
+                   const Progress& progress, const Function& fitOne) {
+  MotionFit fit;
+  fit.coefficients.assign(targets.size(), Eigen::VectorXd::Zero(all));
+  fit.equations.resize(targets.size());
+  fit.factors.resize(targets.size());
+  fit.lost.assign(targets.size(), 0);
+  const std::vector<std::vector<int>> levels = tree.levels();
+  size_t done = 1;
+  for (size_t level = 1; level < levels.size(); ++level) {
+    pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
+      const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
+      const auto s = static_cast<size_t>(tree.parent[t]);
+      ArcFit arc = fitOne(fit, s, t);
+      fit.coefficients[t] = std::move(arc.coefficients);
+      fit.equations[t] = std::move(arc.equations);
+      fit.factors[t] = std::move(arc.factor);
+      fit.lost[t] = fit.lost[s] || !(arc.distance <= mostDistanceInEdges * targets[t].meanEdge) ? 1 : 0;
+    });
+    done += levels[level].size();
+    report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));
   }
-  return sumOfOuterProducts(rows).cast<double>();
+  return fit;
 }
 
 /// (A + D^-1)^-1 a, the affine system of an arc with the local coefficients integrated out.
@@ -181,55 +210,54 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
 
 ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
               const MotionPrior& prior, const Eigen::VectorXd& start, int iterations) {
-  ArcFit fit{before, {}, 0};
+  ArcFit fit{before, {}, {}, 0};
   if (start.size() > 0) fit.coefficients += start;
   std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
   ArcEquations& e = fit.equations;
   for (int i = 0; i < iterations; ++i) {
     const DataTerm data = dataTermAt(model, target, fit.coefficients, nearby);
-    e.matrix = informationOf(model, data) / prior.noise;
-    e.vector = model.projectAll(data.pull) / prior.noise + e.matrix * (fit.coefficients - before);
-    fit.coefficients = before + (e.matrix + prior.precision).llt().solve(e.vector);
+    if (i == 0 || start.size() == 0) {
+      e.matrix = informationOf(model, data) / prior.noise;
+      fit.factor.compute(e.matrix + prior.precision);
+    }
+    e.vector = pullOf(model, data) / prior.noise + e.matrix * (fit.coefficients - before);
+    fit.coefficients = before + fit.factor.solve(e.vector);
     fit.distance = data.distance;
   }
   return fit;
 }
 
+Eigen::VectorXd fitArcAgain(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
+                            const MotionPrior& prior, const Eigen::VectorXd& start, const ArcSystem& system) {
+  std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
+  const DataTerm data = dataTermAt(model, target, before + start, nearby);
+  return before + system.factor.solve(pullOf(model, data) / prior.noise + system.matrix * start);
+}
+
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress,
-                    const std::vector<Eigen::VectorXd>& earlier) {
-  MotionFit fit;
-  fit.coefficients.assign(targets.size(), Eigen::VectorXd::Zero(all));
-  fit.equations.resize(targets.size());
-  fit.lost.assign(targets.size(), 0);
-  const std::vector<std::vector<int>> levels = tree.levels();
-  size_t done = 1;
-  for (size_t level = 1; level < levels.size(); ++level) {
-    pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
-      const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
-      const auto s = static_cast<size_t>(tree.parent[t]);
-      const Eigen::VectorXd start = earlier.empty() ? Eigen::VectorXd() : earlier[t] - earlier[s];
-      ArcFit arc = fitArc(model, targets[t], fit.coefficients[s], prior, start,
-                          earlier.empty() ? arcIterations : arcIterationsAgain);
-      fit.coefficients[t] = std::move(arc.coefficients);
-      fit.equations[t] = std::move(arc.equations);
-      fit.lost[t] = fit.lost[s] || !(arc.distance <= mostDistanceInEdges * targets[t].meanEdge) ? 1 : 0;
-    });
-    done += levels[level].size();
-    report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));
-  }
-  return fit;
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress) {
+  return overTree(targets, tree, pool, progress, [&](const MotionFit& fit, size_t s, size_t t) {
+    return fitArc(model, targets[t], fit.coefficients[s], prior, {}, arcIterations);
+  });
+}
+
+MotionFit refitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
+                      const MotionPrior& prior, const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,
+                      const Progress& progress) {
+  return overTree(targets, tree, pool, progress, [&](const MotionFit& fit, size_t s, size_t t) {
+    return fitArc(model, targets[t], fit.coefficients[s], prior, earlier[t] - earlier[s], arcIterationsAgain);
+  });
 }
 
 LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionTarget>& targets,
                              const PropagationTree& tree, ThreadPool& pool, const Progress& progress) {
   const MotionPrior wide{wideVariances.diagonal().cwiseInverse().asDiagonal(), wideNoise};
+  LearntPrior learnt;
   MotionFit fit = fitMotion(model, targets, tree, wide, pool, part(progress, 0, 0.7));
   std::vector<ArcEquations> equations;
   const double temper = wideNoise / temperedNoise, unit = std::sqrt(0.5 * model.meanVertexArea());
-  for (ArcEquations& e : fit.equations)
+  for (const ArcEquations& e : fit.equations)
     if (e.vector.size() > 0) equations.push_back({temper * e.matrix, temper / unit * e.vector});
-  LearntPrior learnt;
   learnt.variances = learnVariances(equations);
   const Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
   const double count = static_cast<double>(equations.size());

@@ -8,6 +8,7 @@
 /// where a surface slides along itself, the prior Sigma decides. c counts in units of sqrt(A0/2), so that Sigma has no
 /// unit.
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
@@ -63,32 +64,48 @@ std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfac
 struct ArcFit {
   Eigen::VectorXd coefficients;
   ArcEquations equations;
+  Eigen::LLT<Eigen::MatrixXd> factor;  ///< of H + Sigma^-1
   double distance = 0;  ///< mean, of the nodes from their closest points, when those were last looked for; NaN: none
 };
 
 /// Iterations of an arc's fit that starts where the last one ended, and of one that another fit has gone before.
 constexpr int arcIterations = 3, arcIterationsAgain = 2;
 
-/// Fits one layer. before: the coefficients of the layer that it comes from; start: what to add to them before the
-/// first of the iterations, or of size 0: nothing.
+/// Fits one layer: closest points, a Newton step, and again. before: the coefficients of the layer that it comes from;
+/// start: what to add to them to begin with, when H is that of the first iteration throughout, as it says how far to
+/// step, not where to; or of size 0: nothing, when H is computed at each.
 ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
               const MotionPrior& prior, const Eigen::VectorXd& start = {}, int iterations = arcIterations);
 
+/// What a fit to a layer leaves for another one to the same layer with the same prior.
+struct ArcSystem {
+  const Eigen::MatrixXd& matrix;              ///< H
+  const Eigen::LLT<Eigen::MatrixXd>& factor;  ///< of H + Sigma^-1
+};
+
+/// One iteration from a good start, with the H of another fit. Returns the coefficients.
+Eigen::VectorXd fitArcAgain(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
+                            const MotionPrior& prior, const Eigen::VectorXd& start, const ArcSystem& system);
+
 struct MotionFit {
-  std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
-  std::vector<ArcEquations> equations;        ///< of each layer; empty at the root
+  std::vector<Eigen::VectorXd> coefficients;         ///< of each layer; zero at the root
+  std::vector<ArcEquations> equations;               ///< of each layer; empty at the root
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;  ///< of H + Sigma^-1 of each layer; empty at the root
   /// Of each layer, whether the nodes lie farther off than this, or those of a layer that it comes from.
   std::vector<char> lost;
 };
 constexpr double mostDistanceInEdges = 2;  ///< mean edge lengths of the layer, on average over the nodes
 
 /// Fits all layers of a tree. targets: the layers; tree: with the moving surface as root. pool: who does the work;
-/// layers equally far from the root are fitted at once, with the same result. earlier: coefficients of a fit of the
-/// same layers with another prior, if there is one: each arc then starts with the step that it took there, and takes
-/// two iterations instead of three.
+/// layers equally far from the root are fitted at once, with the same result.
 MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {},
-                    const std::vector<Eigen::VectorXd>& earlier = {});
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {});
+
+/// The same where the layers were fitted with another prior: each arc starts with the step that it took there, so two
+/// iterations do. earlier: the coefficients of that fit.
+MotionFit refitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets, const PropagationTree& tree,
+                      const MotionPrior& prior, const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,
+                      const Progress& progress = {});
 
 /// The prior learnt from the sequence itself.
 struct LearntPrior {

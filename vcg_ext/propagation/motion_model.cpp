@@ -68,6 +68,7 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
   meanVertexArea_ = faceAreas(surface.vertices(), surface.faces()).sum() / surface.vertexCount();
 
   local_ = kernelFactor<decltype(local_)>(nodes_, areas_, radius);
+  single_ = local_.cast<float>();
   const Eigen::RowVector3d centre = (areas_.transpose() * nodes_) / areas_.sum();
   arms_ = (nodes_.rowwise() - centre) / radius;
 
@@ -79,7 +80,10 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
 
 void MotionModel::project(int i, const Vector3& m, double* row) const {
   Eigen::Map<Eigen::Matrix<double, 1, localColumns>>(row).noalias() = m.transpose() * local_.middleRows<3>(3 * i);
-  row += localColumns;
+  projectAffine(i, m, row + localColumns);
+}
+
+void MotionModel::projectAffine(int i, const Vector3& m, double* row) const {
   const Vector3 y = arms_.row(i).transpose();
   for (int a = 0; a < 3; ++a) *row++ = m[a];
   for (int a = 0; a < 3; ++a) *row++ = m[a] * y[a];
@@ -90,10 +94,27 @@ void MotionModel::project(int i, const Vector3& m, double* row) const {
     for (int b = a + 1; b < 3; ++b) *row++ = half * (m[a] * y[b] - m[b] * y[a]);
 }
 
-Eigen::VectorXd MotionModel::projectAll(const Points& forces) const {
+RowsF MotionModel::projectEach(const Points& directions, const Eigen::VectorXd& scales) const {
+  RowsF rows(directions.rows(), columns);
+  Eigen::Matrix<double, affineColumns, 1> affine;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const Vector3 m = scales[i] * directions.row(i).transpose();
+    const Eigen::Vector3f f = m.cast<float>();
+    rows.row(i).head<localColumns>() =
+        f[0] * single_.row(3 * i) + f[1] * single_.row(3 * i + 1) + f[2] * single_.row(3 * i + 2);
+    projectAffine(static_cast<int>(i), m, affine.data());
+    rows.row(i).tail<affineColumns>() = affine.cast<float>().transpose();
+  }
+  return rows;
+}
+
+Eigen::VectorXd MotionModel::projectAll(const Points& forces, Precision precision) const {
   Eigen::VectorXd sum(columns);
-  sum.head<localColumns>().noalias() =
-      local_.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
+  const Eigen::Map<const Eigen::VectorXd> coordinates(forces.data(), forces.size());
+  if (precision == Precision::Single)
+    sum.head<localColumns>() = (single_.transpose() * coordinates.cast<float>()).cast<double>();
+  else
+    sum.head<localColumns>().noalias() = local_.transpose() * coordinates;
   sum.segment<3>(localColumns) = forces.colwise().sum().transpose();
   const Eigen::Matrix3d moment = forces.transpose() * arms_;  // of f_a y_b
   int k = localColumns + 3;
@@ -106,8 +127,12 @@ Eigen::VectorXd MotionModel::projectAll(const Points& forces) const {
   return sum;
 }
 
-Points MotionModel::displacements(const Eigen::VectorXd& c) const {
-  const Eigen::VectorXd local = local_ * c.head<localColumns>();
+Points MotionModel::displacements(const Eigen::VectorXd& c, Precision precision) const {
+  Eigen::VectorXd local;
+  if (precision == Precision::Single)
+    local = (single_ * c.head<localColumns>().cast<float>()).cast<double>();
+  else
+    local = local_ * c.head<localColumns>();
   Points moved = Eigen::Map<const Points>(local.data(), nodes_.rows(), 3);
   const double* a = c.data() + localColumns;
   constexpr double half = 0.70710678118654752440;
@@ -123,10 +148,12 @@ Points MotionModel::displacements(const Eigen::VectorXd& c) const {
   return moved;
 }
 
-Points MotionModel::movedNodes(const Eigen::VectorXd& c) const { return nodes_ + displacements(c); }
+Points MotionModel::movedNodes(const Eigen::VectorXd& c, Precision precision) const {
+  return nodes_ + displacements(c, precision);
+}
 
 Points MotionModel::movedVertices(const Eigen::VectorXd& c) const {
-  const Points moved = displacements(c);
+  const Points moved = displacements(c, Precision::Double);
   Points vertices = vertices_;
   for (Eigen::Index v = 0; v < vertices.rows(); ++v)
     vertices.row(v) += site_[static_cast<size_t>(v)].interpolate(faces_, moved).transpose();

@@ -20,6 +20,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "vcg_ext/base/dense_kernels.h"
 #include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_locator.h"
@@ -43,24 +44,33 @@ class MotionModel {
   const Eigen::VectorXd& areas() const { return areas_; }    ///< #N, a third of the area of the faces round each node
   double meanVertexArea() const { return meanVertexArea_; }  ///< of the surface that moves
 
+  /// Of the sums over local columns. Fits go through their factor, which is larger than what processors keep close by,
+  /// at every iteration: in single precision, which the noise of any data exceeds by far, they take a third of the
+  /// time.
+  enum class Precision { Double, Single };
+
   /// The nodes moved by coefficients c: #N by 3.
-  Points movedNodes(const Eigen::VectorXd& c) const;
+  Points movedNodes(const Eigen::VectorXd& c, Precision precision = Precision::Double) const;
   /// The vertices of the surface itself, moved with the template (interpolated in the face of the icosphere that their
   /// map lies in): #V by 3.
   Points movedVertices(const Eigen::VectorXd& c) const;
   /// B_i^T m: what a coefficient moves node i along the direction m. Length `columns`.
   void project(int i, const Vector3& m, double* row) const;
+  /// s_i B_i^T m_i of all nodes, in single precision: #N by `columns`. directions: m, #N by 3; scales: s, #N.
+  RowsF projectEach(const Points& directions, const Eigen::VectorXd& scales) const;
   /// The sum of B_i^T f_i. forces: f, #N by 3. Length `columns`.
-  Eigen::VectorXd projectAll(const Points& forces) const;
+  Eigen::VectorXd projectAll(const Points& forces, Precision precision = Precision::Double) const;
 
  private:
-  Points displacements(const Eigen::VectorXd& c) const;
+  Points displacements(const Eigen::VectorXd& c, Precision precision) const;
+  void projectAffine(int i, const Vector3& m, double* row) const;
 
   Points nodes_;
   Triangles faces_;
   Eigen::VectorXd areas_;
   double meanVertexArea_ = 0;
   Eigen::Matrix<double, Eigen::Dynamic, localColumns, Eigen::RowMajor> local_;  // 3 #N by 240, x y z of each node
+  RowsF single_;                                                                // the same, rounded
   Points arms_;                                                                 // (X - centre) / R, #N by 3
   Points vertices_;                                                             // of the surface
   std::vector<SurfacePoint> site_;  // where each vertex lies in the template

@@ -10,8 +10,8 @@
 namespace sphere_propagation {
 namespace {
 
-/// The map of a layer read off the moved root; empty where the fit lost the layer. order: of
-/// the root's faces in a locator.
+/// The map of a layer read off the moved root; empty where the fit lost the layer. order: of the root's faces in a
+/// locator.
 std::optional<TransferredMap> readMap(const ClosedSurface& root, const SphereMap& rootMap,
                                       const std::vector<int>& order, const Points& moved, const ClosedSurface& layer) {
   try {
@@ -39,14 +39,15 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
   const std::vector<int> rootOrder = targets[static_cast<size_t>(tree.root())].locator->order();
   const bool learns = tree.size() - 1 >= leastArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
-  std::vector<Eigen::VectorXd> earlier;
+  MotionFit fit;
   if (learns) {
     LearntPrior learnt = learnMotionPrior(model, targets, tree, pool, part(progress, 0, 0.5));
     prior = std::move(learnt.prior);
     followed.learnt = learnt.variances;
-    earlier = std::move(learnt.coefficients);
+    fit = refitMotion(model, targets, tree, prior, learnt.coefficients, pool, part(progress, 0.5, 0.75));
+  } else {
+    fit = fitMotion(model, targets, tree, prior, pool, part(progress, 0, 0.75));
   }
-  const MotionFit fit = fitMotion(model, targets, tree, prior, pool, part(progress, learns ? 0.5 : 0, 0.75), earlier);
   const ClosedCycle cycle = closing ? closedCycle(tree, *closing) : ClosedCycle{};
   const bool closes = !cycle.layers.empty();
   std::vector<Eigen::VectorXd> motion = fit.coefficients, around;
