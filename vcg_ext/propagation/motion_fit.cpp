@@ -20,12 +20,12 @@ constexpr int local = MotionModel::localColumns, affine = MotionModel::affineCol
 // Learning, all variances in units of A0/2.
 constexpr MotionVariances fixedVariances{1, 0.5, 1, 0.3}, wideVariances{1, 2, 1, 0.5},
     startVariances{0.15, 0.5, 0.5, 0.2};
-constexpr double wideNoise = 6, temperedNoise = 24, learntNoise = 1.5;
-constexpr double varianceFloor = 0.01;
+constexpr double wideNoise = 6, temperedNoise = 12, learntNoise = 2.5;
+constexpr double varianceFloor = 0.015;
 constexpr int varianceRounds = 100, covarianceRounds = 12;
 constexpr double solved = 1e-6;      // squared, in the norm that conjugate gradients make smaller
 constexpr double strainShare = 0.1;  // the evidence over-estimates strain
-constexpr double priorArcs = 8;      // what the diagonal covariance counts against the arcs
+constexpr double priorArcs = 16;     // what the diagonal covariance counts against the arcs
 
 double medianOf(std::vector<double> values) {
   if (values.empty()) return 0;

@@ -4,12 +4,14 @@
 ///   x_i(c) = X_i + B_i c,   i over the nodes of the template, c the coefficients
 ///
 /// The template is the icosphere through the surface's map. B has local columns, a factor of a kernel of vector fields,
-/// and twelve affine ones: translation, strain, rotation. The kernel is a sum of two, for r = X_i - X_j:
-///   share       (1 - r r^T / l^2) exp(-|r|^2 / 2 l^2)                          l = 0.5 R: fields without curl
-///   1 - share   (r r^T / l^2 + (2 - |r|^2 / l^2) 1) / 2  exp(-|r|^2 / 2 l^2)   l = 0.4 R: fields without divergence
-/// Tissue that contracts hardly turns in itself and hardly changes its volume; a kernel that treats coordinates one by
-/// one knows neither. It measures straight through space, so both sides of a thin wall move together. All lengths are
-/// relative to R, the radius of the sphere of the template's area: the model has no unit.
+/// and twelve affine ones: translation, strain, rotation. The kernel is a sum of three, for r = X_i - X_j:
+///   0.5    exp(-|r|^2 / 2 l^2)                                             l = 0.35 R: any smooth field
+///   0.225  (1 - r r^T / l^2) exp(-|r|^2 / 2 l^2)                           l = 0.5 R: fields without curl
+///   0.275  (r r^T / l^2 + (2 - |r|^2 / l^2) 1) / 2  exp(-|r|^2 / 2 l^2)    l = 0.4 R: fields without divergence
+/// Tissue that contracts hardly turns in itself and hardly changes its volume, which a kernel that treats coordinates
+/// one by one does not know; but these two alone leave too little to motion of long wavelength. The kernel measures
+/// straight through space, so both sides of a thin wall move together. All lengths are relative to R, the radius of the
+/// sphere of the template's area: the model has no unit.
 ///
 /// M. Luethi, T. Gerig, C. Jud, T. Vetter, Gaussian process morphable models, 2018; the kernels: F. J. Narcowich,
 /// J. D. Ward, Generalized Hermite interpolation via matrix-valued conditionally positive definite functions, 1994; for
