@@ -7,7 +7,7 @@
     DATA    folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data), the yardstick beside it
     seeds   how many phantoms of each kind are averaged (default 1)
     peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes landmarks_TT.ply; run in the first table
-    PART    of: sequences, paper, disturbed
+    PART    of: sequences, paper, disturbed, other (phantoms of another make and other organs; made_motions.py; data/classic, data/finch_skulls)
 
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0, cyclic order. CPU: seconds of all
 threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's Laplacian. The least of three runs, of a peer one.
@@ -23,6 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
+import made_motions
+
 ROOT = Path(__file__).resolve().parent.parent
 LANDMARKS = 1002
 # Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for the propagation (one core, 2.4 GHz).
@@ -30,13 +32,15 @@ PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
 METHODS = {"published": "As published", "robust": "Robust"}
 
 
-def run(options, files, method="robust", repeat=3, root_map=None):
-    """What propagation_benchmark says (name -> number), and the landmarks, layer by layer."""
+def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False):
+    """What propagation_benchmark says (name -> number), and the landmarks, layer by layer; None where it failed and may."""
     with tempfile.TemporaryDirectory() as folder:
         landmarks = Path(folder) / "landmarks"
         more = ["--root-map", root_map] if root_map else []
         done = subprocess.run([options.program, "--method", method, "--repeat", str(repeat), "--threads", str(options.threads),
                                "--landmarks", landmarks, *more, *files], capture_output=True, text=True, check=False)
+        if done.returncode != 0 and may_fail:
+            return None
         if done.returncode != 0:
             sys.exit(f"{options.program}: {done.stdout} {done.stderr}")
         figures = {name: float(value) for name, value in re.findall(r"(\w+)=([-+.\deE]+)", done.stdout)}
@@ -165,6 +169,41 @@ def disturbed(options, measure, phantom, folder):
         row([name, *cells])
 
 
+def other(options, measure, phantom, folder):
+    def surface(file):
+        vertex, f = measure.read_ply(options.data / file)
+        return measure.points(vertex), f
+    groups = {f"ventricle of another make, {part}": [made_motions.Ventricle(part, seed) for seed in range(4)] for part in ("cavity", "wall")}
+    groups["warped ventricle"] = [made_motions.WarpedSurface(surface("heart_cine/endo_00.ply"), seed) for seed in (1, 3)]
+    groups["warped hippocampus"] = [made_motions.WarpedSurface(surface("classic/hippocampus.ply"), seed) for seed in (1, 2)]
+    groups["warped skull"] = [made_motions.WarpedSurface(surface("finch_skulls/G.ConirostrisE.ply"), seed) for seed in (1, 2)]
+    table(["moves", "how many", "R", *METHODS.values(), *(["peer"] if options.peer else [])])
+    root_map = str(folder / "root_map.ply")
+    for name, motions in groups.items():
+        found = {method: [] for method in (*METHODS, "peer")}
+
+        def cell(errors, count=len(motions)):
+            return error_text(errors) + (f" ({count - len(errors)} of {count}: no valid map)" if len(errors) < count else "")
+        radii = []
+        for k, motion in enumerate(motions):
+            place = folder / f"{name} {k}".replace(" ", "_")
+            place.mkdir()
+            random = np.random.RandomState(5)
+            files = [str(place / f"{t:02d}.ply") for t in range(motion.phases)]
+            for t, file in enumerate(files):
+                phantom.write_ply(file, *made_motions.meshed(motion, t, 3500, random))
+            v, f = motion.at(0)
+            radii.append(np.sqrt(measure.triangle_areas(v, f).sum() / (4 * np.pi)))
+            for method in METHODS:
+                made = run(options, files, method, repeat=1, root_map=root_map, may_fail=True)
+                if made:
+                    found[method].append(made_motions.errors(motion, made[1], measure.closest_points))
+            if options.peer:
+                landmarks = run_peer(options.peer, root_map, files, measure)[1]
+                found["peer"].append(made_motions.errors(motion, landmarks, measure.closest_points))
+        row([name, str(len(motions)), f"{np.mean(radii):.1f}", *(cell(found[method]) for method in (*METHODS, *(["peer"] if options.peer else [])))])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build/pymeshlab/benchmarks/propagation_benchmark")
@@ -172,7 +211,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--peer")
-    parts = {"sequences": sequences, "paper": paper, "disturbed": disturbed}
+    parts = {"sequences": sequences, "paper": paper, "disturbed": disturbed, "other": other}
     parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
     options = parser.parse_args()
     if not (options.data.parent / "yardstick/measure.py").exists():

@@ -71,15 +71,18 @@ def two_projects(m, which):
 @pytest.mark.parametrize("name, which", [(name, (0, 1, 2)) for name in MATRICES] + [("translated", (1,)), ("rotated", (1,)), ("sheared", (0,))])
 def test_landmarks_lie_where_the_surface_is_seen(name, which):
     moved = MATRICES[name]
+    # Shear rounds otherwise, which the root's iterations make 6e-5; where two nodes compete for the motion model's next
+    # pivot, that decides, and another basis of as many columns moves single landmarks by up to 4e-3.
+    bound = 1e-2 if name == "sheared" else 1e-5
     one, other = two_projects(moved, which)
     for mine, theirs in zip(one, other):
         assert np.array_equal(mine.transform_matrix(), moved if mine.id() in which else np.eye(4))
     for mine, theirs in zip(one[3:6], other[3:6]):  # landmarks
         size = theirs.bounding_box().diagonal()
-        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 2e-4 * size  # rounding, passed on by iterations
+        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < bound * size
         assert np.array_equal(mine.face_matrix(), theirs.face_matrix())
     for mine, theirs in zip(one[6:], other[6:]):  # spheres
-        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 2e-3
+        assert np.abs(mine.vertex_matrix() - theirs.vertex_matrix()).max() < 5 * bound
         assert np.array_equal(mine.face_matrix(), theirs.face_matrix())
 
 
