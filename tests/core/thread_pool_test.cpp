@@ -9,6 +9,8 @@
 namespace sphere_propagation::test {
 namespace {
 
+TEST(ThreadPool, TakesThousandsForAFew) { EXPECT_LE(ThreadPool(100000).threads(), 256); }
+
 TEST(ThreadPool, DoesEveryTaskAndThrowsTheFirstFailure) {
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);

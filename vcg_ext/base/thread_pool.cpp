@@ -1,5 +1,6 @@
 #include "vcg_ext/base/thread_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -7,6 +8,11 @@
 #include <thread>
 
 namespace sphere_propagation {
+namespace {
+
+constexpr int mostThreads = 256;  // thousands take the memory that the system has for threads, and end the process
+
+}  // namespace
 
 struct ThreadPool::State {
   std::vector<std::thread> workers;
@@ -45,6 +51,7 @@ struct ThreadPool::State {
 
 ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
   if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());
+  threads = std::min(threads, mostThreads);
   try {
     for (int i = 1; i < threads; ++i) state_->workers.emplace_back([this] { state_->work(); });
   } catch (const std::system_error&) {  // the system gives no more: those that run will do

@@ -16,8 +16,8 @@ namespace sphere_propagation {
 
 class ThreadPool {
  public:
-  /// threads: how many work together, the calling one included; 0: as many as the machine runs at once. 1: no thread
-  /// is started. Fewer are started where the system does not give that many.
+  /// threads: how many work together, the calling one included; 0: as many as the machine runs at once; more than 256
+  /// are taken as 256. 1: no thread is started. Fewer are started where the system does not give that many.
   explicit ThreadPool(int threads = 1);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;

@@ -21,9 +21,8 @@ struct FoundPose {
   double distance;  // of the shapes, so laid
 };
 
-/// The pose relative to a layer that lies well, `as` moved by asToRoot.
-FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
-  // As it lies, or where that one was laid: what was moved with it needs no pose of its own.
+/// As it lies, or where another one was laid: what was moved with that needs no pose of its own.
+FoundPose poseAsItLies(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
   FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse())};
   if (!asToRoot.isIdentity()) {
     const double beside = shapeDistance(shape, as);
@@ -32,6 +31,12 @@ FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const Rigi
       found.pose.toRoot = asToRoot;
     }
   }
+  return found;
+}
+
+/// The pose relative to a layer that lies well, `as` moved by asToRoot.
+FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
+  FoundPose found = poseAsItLies(shape, as, asToRoot);
   if (mayFitFarBetter(shape, as, found.distance)) {
     const RigidMotion motion = motionFromAnywhere(shape, as);
     const double distance = shapeDistance(shape, as, motion);
@@ -73,6 +78,12 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
     FoundPose found = findPose(shapes[i], shapes[far], poses[far].toRoot);
     const bool anew = found.pose.moved && near != far;
     if (anew) found = findPose(shapes[i], shapes[near], poses[near].toRoot);
+    // Behind a layer that does not belong to the others: where one farther up fits as this one lies, it lies well.
+    for (int a = tree.parent[far]; found.pose.moved && a >= 0; a = tree.parent[static_cast<size_t>(a)]) {
+      const auto up = static_cast<size_t>(a);
+      const FoundPose lies = poseAsItLies(shapes[i], shapes[up], poses[up].toRoot);
+      if (!mayFitFarBetter(shapes[i], shapes[up], lies.distance)) found = lies;
+    }
     LayerPose& pose = poses[i];
     pose = found.pose;
     pose.mirrored = isMirrored(surfaces[i], shapes[i], found.distance, shapes[anew ? near : far]);

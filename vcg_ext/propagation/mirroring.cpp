@@ -12,6 +12,8 @@ namespace {
 // neighbours of two hearts' cycles, 0.99 between end-diastole and any other phase, 1.05 among skulls of twelve species.
 constexpr double clearlyBetter = 1.15;
 constexpr double hardlyDifferent = 0.02;  // in R, the radius of the sphere of the parent's area
+// In the smaller R: farther off, the image is no better known than the layer, as where the parent is another organ.
+constexpr double recognisable = 0.25;
 
 }  // namespace
 
@@ -35,7 +37,9 @@ std::vector<std::optional<double>> findMirrorPlanes(const std::vector<ClosedSurf
     const double itself = std::min(asItLies, shapeDistance(shapes[i], parent, motionFromAnywhere(shapes[i], parent)));
     const double plane = shapes[i].centre()[0];
     AlignedShape image(mirrorImage(surfaces[i], plane));
-    if (!(itself > clearlyBetter * shapeDistance(image, parent, motionFromAnywhere(image, parent)))) return;
+    const double mirrored = shapeDistance(image, parent, motionFromAnywhere(image, parent));
+    if (!(itself > clearlyBetter * mirrored)) return;
+    if (mirrored > recognisable * std::min(image.radius(), parent.radius())) return;
     planes[i] = plane;
     shapes[i] = std::move(image);
   };

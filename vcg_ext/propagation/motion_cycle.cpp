@@ -1,6 +1,7 @@
 #include "vcg_ext/propagation/motion_cycle.h"
 
 #include <cstddef>
+#include <utility>
 
 namespace sphere_propagation {
 
@@ -10,16 +11,25 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const st
   const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
   std::vector<Eigen::VectorXd> around(targets.size(), Eigen::VectorXd::Zero(MotionModel::columns));
   pool.forEach(2, [&](int chain) {
-    Eigen::VectorXd here;
+    // The branch's last layer that was not lost; the root never is.
+    const size_t layers = cycle.layers.size();
+    size_t place = static_cast<size_t>(cycle.forward) + (chain == 0 ? 0 : 1);
+    const auto layerThere = [&] { return static_cast<size_t>(cycle.layers[place % layers]); };
+    while (fit.lost[layerThere()]) chain == 0 ? --place : ++place;
+    Eigen::VectorXd here = brought[layerThere()];
     for (const auto& [start, end] : cycle.arcsBeyond(chain == 0)) {
       const auto from = static_cast<size_t>(start), to = static_cast<size_t>(end);
-      if (here.size() == 0) here = brought[from];
       // It starts beside what the tree brought to the layer, as far as it was beside it before: the nodes lie on the
       // layer then, and one iteration does.
-      here = fit.lost[from] || fit.lost[to] ? fitArc(model, targets[to], here, prior).coefficients
-                                            : fitArcAgain(model, targets[to], here, prior, brought[to] - brought[from],
-                                                          {fit.equations[to].matrix, fit.factors[to]});
-      around[to] = here;
+      if (!fit.lost[from] && !fit.lost[to]) {
+        here = fitArcAgain(model, targets[to], here, prior, brought[to] - brought[from],
+                           {fit.equations[to].matrix, fit.factors[to]});
+        around[to] = here;
+        continue;
+      }
+      ArcFit arc = fitArc(model, targets[to], here, prior);
+      around[to] = arc.coefficients;
+      if (!fit.lost[to]) here = std::move(arc.coefficients);  // what does not belong to the others leads nowhere
     }
   });
   return around;

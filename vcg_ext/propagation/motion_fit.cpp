@@ -21,6 +21,7 @@ constexpr int local = MotionModel::localColumns, affine = MotionModel::affineCol
 constexpr MotionVariances fixedVariances{1, 0.5, 1, 0.3}, wideVariances{1, 2, 1, 0.5},
     startVariances{0.15, 0.5, 0.5, 0.2};
 constexpr double wideNoise = 6, temperedNoise = 12, learntNoise = 2.5;
+constexpr int coarse = 3000;  // vertices
 constexpr double varianceFloor = 0.015;
 constexpr int varianceRounds = 100, covarianceRounds = 12;
 constexpr double solved = 1e-6;      // squared, in the norm that conjugate gradients make smaller
@@ -35,6 +36,10 @@ double medianOf(std::vector<double> values) {
   if (values.size() % 2 == 1) return upper;
   return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
 }
+
+/// How many vertices a layer's noise is taken for. That of few is partly theirs, as that of large voxels, and partly of
+/// the shape, which is as smooth on a coarse mesh as on a fine one: the geometric mean with `coarse` stands between.
+double countedVertices(int count) { return count < coarse ? std::sqrt(static_cast<double>(count) * coarse) : count; }
 
 /// The data term at c, for noise 1.
 struct DataTerm {
@@ -104,12 +109,13 @@ MotionFit overTree(const std::vector<MotionTarget>& targets, const PropagationTr
   for (size_t level = 1; level < levels.size(); ++level) {
     pool.forEach(static_cast<int>(levels[level].size()), [&](int k) {
       const auto t = static_cast<size_t>(levels[level][static_cast<size_t>(k)]);
-      const auto s = static_cast<size_t>(tree.parent[t]);
+      auto s = static_cast<size_t>(tree.parent[t]);
+      while (fit.lost[s]) s = static_cast<size_t>(tree.parent[s]);  // the root is never lost
       ArcFit arc = fitOne(fit, s, t);
       fit.coefficients[t] = std::move(arc.coefficients);
       fit.equations[t] = std::move(arc.equations);
       fit.factors[t] = std::move(arc.factor);
-      fit.lost[t] = fit.lost[s] || !(arc.distance <= mostDistanceInEdges * targets[t].meanEdge) ? 1 : 0;
+      fit.lost[t] = arc.distance <= mostDistanceInEdges * targets[t].meanEdge ? 0 : 1;
     });
     done += levels[level].size();
     report(progress, static_cast<double>(done) / static_cast<double>(targets.size()));
@@ -197,7 +203,7 @@ MotionTarget::MotionTarget(const ClosedSurface& layer, std::shared_ptr<const Sur
       locator(locatorOfLayer ? std::move(locatorOfLayer)
                              : std::make_shared<const SurfaceLocator>(layer.vertices(), layer.faces())),
       normals(vertexNormals(layer.vertices(), layer.faces())),
-      meanVertexArea(faceAreas(layer.vertices(), layer.faces()).sum() / layer.vertexCount()),
+      meanVertexArea(faceAreas(layer.vertices(), layer.faces()).sum() / countedVertices(layer.vertexCount())),
       meanEdge(meanEdgeLength(layer.vertices(), layer.faces())) {}
 
 std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool,
@@ -256,8 +262,14 @@ LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionT
   MotionFit fit = fitMotion(model, targets, tree, wide, pool, part(progress, 0, 0.7));
   std::vector<ArcEquations> equations;
   const double temper = wideNoise / temperedNoise, unit = std::sqrt(0.5 * model.meanVertexArea());
-  for (const ArcEquations& e : fit.equations)
-    if (e.vector.size() > 0) equations.push_back({temper * e.matrix, temper / unit * e.vector});
+  for (const bool lostToo : {false, true}) {  // what is lost teaches nothing, unless there is nothing else
+    for (size_t t = 0; t < targets.size(); ++t) {
+      const ArcEquations& e = fit.equations[t];
+      if (e.vector.size() > 0 && (lostToo || !fit.lost[t]))
+        equations.push_back({temper * e.matrix, temper / unit * e.vector});
+    }
+    if (!equations.empty()) break;
+  }
   learnt.variances = learnVariances(equations);
   const Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
   const double count = static_cast<double>(equations.size());

@@ -50,8 +50,9 @@ struct MotionTarget {
 
   const ClosedSurface* surface;
   std::shared_ptr<const SurfaceLocator> locator;
-  Points normals;         ///< of the vertices
-  double meanVertexArea;  ///< At
+  Points normals;  ///< of the vertices
+  /// At: the layer's area over its vertices, or over the geometric mean of their number and 3000 where it has fewer.
+  double meanVertexArea;
   double meanEdge;
 };
 
@@ -91,7 +92,8 @@ struct MotionFit {
   std::vector<Eigen::VectorXd> coefficients;         ///< of each layer; zero at the root
   std::vector<ArcEquations> equations;               ///< of each layer; empty at the root
   std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;  ///< of H + Sigma^-1 of each layer; empty at the root
-  /// Of each layer, whether the nodes lie farther off than this, or those of a layer that it comes from.
+  /// Of each layer, whether the nodes lie farther off than this. The layers behind it come from the nearest one up the
+  /// tree that is not lost.
   std::vector<char> lost;
 };
 constexpr double mostDistanceInEdges = 2;  ///< mean edge lengths of the layer, on average over the nodes

@@ -12,6 +12,8 @@ namespace sphere_propagation {
 namespace {
 
 constexpr int frequency = 10;  // of the template's icosphere: 1002 nodes
+// The unit of motion is that of a surface of at least so many vertices: a coarser one does not move more.
+constexpr int leastVertices = 5000;
 // Of the kernel, lengths in R. The curl-free part follows cavities better, the divergence-free one walls; the Gaussian
 // follows what neither allows, and is better on everything that the other two were not chosen on.
 constexpr double gaussianShare = 0.5, gaussianLength = 0.35;
@@ -68,7 +70,8 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : v
                         .transpose();
   areas_ = vertexAreas(nodes_, faces_);
   const double radius = radiusOfSphere(areas_.sum());
-  meanVertexArea_ = faceAreas(surface.vertices(), surface.faces()).sum() / surface.vertexCount();
+  meanVertexArea_ =
+      faceAreas(surface.vertices(), surface.faces()).sum() / std::max(surface.vertexCount(), leastVertices);
 
   local_ = kernelFactor<decltype(local_)>(nodes_, areas_, radius);
   single_ = local_.cast<float>();

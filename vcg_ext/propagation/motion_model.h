@@ -41,10 +41,11 @@ class MotionModel {
   /// surface: the one that moves; map: its map.
   MotionModel(const ClosedSurface& surface, const SphereMap& map);
 
-  const Points& nodes() const { return nodes_; }             ///< X, #N by 3
-  const Triangles& faces() const { return faces_; }          ///< of the template
-  const Eigen::VectorXd& areas() const { return areas_; }    ///< #N, a third of the area of the faces round each node
-  double meanVertexArea() const { return meanVertexArea_; }  ///< of the surface that moves
+  const Points& nodes() const { return nodes_; }           ///< X, #N by 3
+  const Triangles& faces() const { return faces_; }        ///< of the template
+  const Eigen::VectorXd& areas() const { return areas_; }  ///< #N, a third of the area of the faces round each node
+  /// A0, the unit of motion: the surface's area over its vertices, or over 5000 where it has fewer.
+  double meanVertexArea() const { return meanVertexArea_; }
 
   /// Of the sums over local columns. Fits go through their factor, which is larger than what processors keep close by,
   /// at every iteration: in single precision, which the noise of any data exceeds by far, they take a third of the

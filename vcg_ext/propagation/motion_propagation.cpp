@@ -70,7 +70,7 @@ FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const Sp
     pool.forEach(static_cast<int>(level.size()), [&](int k) {
       const int t = level[static_cast<size_t>(k)];
       const auto i = static_cast<size_t>(t);
-      if (t == tree.root() || !isThere(tree.parent[i])) return;
+      if (t == tree.root()) return;
       read(t, motion[i]);
       if (!isThere(t) && motion[i] != fit.coefficients[i]) {
         motion[i] = fit.coefficients[i];

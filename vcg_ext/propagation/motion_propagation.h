@@ -33,8 +33,8 @@ struct ClosingMaps {
 };
 
 struct FollowedMotion {
-  /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too large, its map cannot
-  /// be repaired, or the layer that it comes from was lost. In a cycle, only where both ways round are lost.
+  /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too large, or its map
+  /// cannot be repaired. In a cycle, only where both ways round are lost.
   std::vector<std::optional<FollowedLayer>> layers;
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
   std::optional<ClosingMaps> closing;     ///< empty where one of them is lost
