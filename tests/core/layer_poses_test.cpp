@@ -48,15 +48,6 @@ TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
     }
 }
 
-TEST(LayerPoses, WhatLiesBehindAForeignLayerStaysAsItLies) {
-  std::vector<ClosedSurface> surfaces = sequence(5);
-  test::Mesh foreign = test::icosphereMesh(9);  // a long body across, which fits no better in any pose
-  foreign.vertices *= Vector3(6, 55, 9).asDiagonal();
-  surfaces[2] = surfaceOf(foreign);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0), pool);
-  for (size_t i : {1, 3, 4}) EXPECT_FALSE(poses[i].moved) << i;
-}
-
 TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
   std::vector<ClosedSurface> surfaces = sequence(5);
   surfaces[2] = movedPhase(2);

@@ -52,13 +52,6 @@ TEST(Mirroring, TheImageIsOutwardAndTwiceIsNothing) {
   EXPECT_EQ(again.faces(), surface.faces());
 }
 
-TEST(Mirroring, NothingBehindALayerThatIsNoneOfThem) {
-  std::vector<ClosedSurface> surfaces = sides("rrrr");
-  test::Mesh tiny{phaseOf(1, true).vertices() / 80, phaseOf(1, true).faces()};
-  surfaces[1] = surfaceOf(tiny);
-  for (const std::optional<double>& plane : findMirrorPlanes(surfaces, timeOrder(4, 0), pool)) EXPECT_FALSE(plane);
-}
-
 TEST(Mirroring, OnlyWhatDiffersFromTheRoot) {
   EXPECT_EQ(found("rrrr", timeOrder(4, 0)), "----");
   EXPECT_EQ(found("rrlr", star(4, 0)), "--m-");
