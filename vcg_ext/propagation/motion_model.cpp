@@ -57,6 +57,18 @@ Matrix kernelFactor(const Points& nodes, const Eigen::VectorXd& areas, double ra
   return factor;
 }
 
+/// A linear function of lengths in single precision. They are counted in a power of two of their unit, which rounds
+/// nothing, so that no unit of length reaches the bounds of a float.
+template <class Function>
+Eigen::VectorXd inSingle(const Eigen::VectorXd& lengths, const Function& function) {
+  int exponent = 0;
+  std::frexp(lengths.size() > 0 ? lengths.lpNorm<Eigen::Infinity>() : 0.0, &exponent);
+  const double unit = std::ldexp(1.0, exponent);
+  const Eigen::VectorXf counted = (lengths / unit).cast<float>();
+  const Eigen::VectorXf found = function(counted);
+  return unit * found.cast<double>();
+}
+
 }  // namespace
 
 MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map) : vertices_(surface.vertices()) {
@@ -118,7 +130,7 @@ Eigen::VectorXd MotionModel::projectAll(const Points& forces, Precision precisio
   Eigen::VectorXd sum(columns);
   const Eigen::Map<const Eigen::VectorXd> coordinates(forces.data(), forces.size());
   if (precision == Precision::Single)
-    sum.head<localColumns>() = (single_.transpose() * coordinates.cast<float>()).cast<double>();
+    sum.head<localColumns>() = inSingle(coordinates, [this](const auto& x) { return single_.transpose() * x; });
   else
     sum.head<localColumns>().noalias() = local_.transpose() * coordinates;
   sum.segment<3>(localColumns) = forces.colwise().sum().transpose();
@@ -136,7 +148,7 @@ Eigen::VectorXd MotionModel::projectAll(const Points& forces, Precision precisio
 Points MotionModel::displacements(const Eigen::VectorXd& c, Precision precision) const {
   Eigen::VectorXd local;
   if (precision == Precision::Single)
-    local = (single_ * c.head<localColumns>().cast<float>()).cast<double>();
+    local = inSingle(c.head<localColumns>(), [this](const auto& x) { return single_ * x; });
   else
     local = local_ * c.head<localColumns>();
   Points moved = Eigen::Map<const Points>(local.data(), nodes_.rows(), 3);
