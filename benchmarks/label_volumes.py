@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Prints the table of docs/label_volumes.md: real hearts' label volumes, imported through PyMeshLab.
 
     label_volumes.py [DATA]      DATA: folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data)
 
 Genus, volume and distances are measured by PyMeshLab and SciPy on the layers; what is said of the labels is the filter's.
 """
+
 import os
 import sys
 import tempfile
@@ -16,16 +18,21 @@ import pymeshlab
 from scipy.spatial import cKDTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/volumes"))
-import volume_files  # noqa: E402
+import volume_files
 
-VOLUMES = (("heart_cine/labels_4d_raw.nii.gz", ("1", "2")), ("heart_truth/labels_4d_1.5mm.nii.gz", ("1", "2", "1,2")))
+VOLUMES = (
+    ("heart_cine/labels_4d_raw.nii.gz", ("1", "2")),
+    ("heart_truth/labels_4d_1.5mm.nii.gz", ("1", "2", "1,2")),
+)
 
 
 def imported(path, labels):
     """The layers, what the filter returns, and the seconds of the processor."""
     start = time.process_time()
     meshes = pymeshlab.MeshSet()
-    returned = meshes.apply_filter("create_layers_from_label_volume", file_name=str(path), labels=labels)
+    returned = meshes.apply_filter(
+        "create_layers_from_label_volume", file_name=str(path), labels=labels
+    )
     return meshes, returned, time.process_time() - start
 
 
@@ -36,8 +43,14 @@ def measured(meshes):
         one = pymeshlab.MeshSet()
         one.add_mesh(mesh)
         topology = one.apply_filter("get_topological_measures")
-        assert topology["is_mesh_two_manifold"] and topology["boundary_edges"] == 0 and topology["connected_components_number"] == 1
-        found.append((topology["genus"], one.apply_filter("get_geometric_measures")["mesh_volume"] / 1000))
+        assert (
+            topology["is_mesh_two_manifold"]
+            and topology["boundary_edges"] == 0
+            and topology["connected_components_number"] == 1
+        )
+        found.append(
+            (topology["genus"], one.apply_filter("get_geometric_measures")["mesh_volume"] / 1000)
+        )
     return np.array(found).T
 
 
@@ -50,9 +63,11 @@ def row(path, labels):
     meshes, returned, seconds = imported(path, labels)
     genus, volume = measured(meshes)
     share = 1000 * volume / returned["label_volume"]
-    return (f"| {path.parent.name} | {labels} | {len(genus)}, {int((genus == 0).sum())} | {volume[0]:.1f} / {volume.min():.1f} | "
-            f"{share.min():.3f} to {share.max():.3f} | {returned['vertices'].mean():.0f} | {returned['handles'].sum():.0f} | "
-            f"{returned['changed_voxels'].max():.0f} | {seconds:.1f} |")
+    return (
+        f"| {path.parent.name} | {labels} | {len(genus)}, {int((genus == 0).sum())} | {volume[0]:.1f} / {volume.min():.1f} | "
+        f"{share.min():.3f} to {share.max():.3f} | {returned['vertices'].mean():.0f} | {returned['handles'].sum():.0f} | "
+        f"{returned['changed_voxels'].max():.0f} | {seconds:.1f} |"
+    )
 
 
 def against_given_surfaces(data):
@@ -70,24 +85,49 @@ def thick_against_thin_slices(data, step=7):
     with tempfile.TemporaryDirectory() as folder:
         for every in (1, step):
             path = Path(folder) / f"{every}.nii"
-            path.write_bytes(volume_files.nifti(np.ascontiguousarray(labels[:, :, ::every, 0]), matrix @ np.diag([1, 1, every, 1])))
+            path.write_bytes(
+                volume_files.nifti(
+                    np.ascontiguousarray(labels[:, :, ::every, 0]),
+                    matrix @ np.diag([1, 1, every, 1]),
+                )
+            )
             meshes, *_ = imported(path, "2")  # kept until its layer is copied
             layers.append(meshes.current_mesh().vertex_matrix())
         return distances(*layers)
 
 
 def main(data):
-    pymeshlab.load_plugin(str(Path(os.environ["SPHERE_PROPAGATION_PLUGIN"]).with_name("libfilter_label_volume.so").resolve()))
-    print("| data | label | phases, of genus 0 | volume (ml), first / smallest | surface / voxels | vertices, mean | handles | "
-          "voxels changed, most in a phase | s |\n" + "| --- " * 9 + "|")
+    pymeshlab.load_plugin(
+        str(
+            Path(os.environ["SPHERE_PROPAGATION_PLUGIN"])
+            .with_name("libfilter_label_volume.so")
+            .resolve()
+        )
+    )
+    print(
+        "| data | label | phases, of genus 0 | volume (ml), first / smallest | surface / voxels | vertices, mean | handles | "
+        "voxels changed, most in a phase | s |\n" + "| --- " * 9 + "|"
+    )
     for name, every in VOLUMES:
         for labels in every:
             print(row(data / name, labels), flush=True)
     given = against_given_surfaces(data)
-    print(f"\nheart_cine against endo_TT.ply: {given[:, 0].mean():.2f} and {given[:, 1].mean():.2f} mm, worst phase {given.max():.2f} mm")
-    print("heart_truth's wall, thin slices against every seventh: {:.2f} and {:.2f} mm".format(*thick_against_thin_slices(data)))
+    print(
+        f"\nheart_cine against endo_TT.ply: {given[:, 0].mean():.2f} and {given[:, 1].mean():.2f} mm, worst phase {given.max():.2f} mm"
+    )
+    print(
+        "heart_truth's wall, thin slices against every seventh: {:.2f} and {:.2f} mm".format(
+            *thick_against_thin_slices(data)
+        )
+    )
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SPHERE_PROPAGATION_DATA")
-              or Path(__file__).resolve().parents[1] / "../shared/data"))
+    main(
+        Path(
+            sys.argv[1]
+            if len(sys.argv) > 1
+            else os.environ.get("SPHERE_PROPAGATION_DATA")
+            or Path(__file__).resolve().parents[1] / "../shared/data"
+        )
+    )

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Prints the README's table: the main job on real hearts and on the phantom, through PyMeshLab.
 
     main_job.py [DATA]      DATA: folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data)
 
 Maps and correspondences are measured by DATA/../yardstick, from what the filters stored, not by the filters' own figures.
 """
+
 import os
 import sys
 import tempfile
@@ -28,7 +30,9 @@ def run_main_job(files, method, order):
     start = time.perf_counter()
     project = load_layers(files)
     project.apply_filter("compute_spherical_parameterisation_root")
-    project.apply_filter("transfer_spherical_parameterisation_to_layers", method=method, order=order)
+    project.apply_filter(
+        "transfer_spherical_parameterisation_to_layers", method=method, order=order
+    )
     project.apply_filter("generate_icosphere_remeshing")
     seconds = time.perf_counter() - start
     count = len(files)
@@ -37,40 +41,71 @@ def run_main_job(files, method, order):
 
 def stored_figures(measure, project, layer):
     mesh = project.mesh(layer)
-    return measure.map_figures(mesh.vertex_matrix(), mesh.face_matrix(),
-                               mesh.vertex_custom_point_attribute_matrix("sphere_position"))
+    return measure.map_figures(
+        mesh.vertex_matrix(),
+        mesh.face_matrix(),
+        mesh.vertex_custom_point_attribute_matrix("sphere_position"),
+    )
 
 
 def row(name, measure, files, method, order, errors):
     project, landmarks, seconds = run_main_job(files, method, order)
     figures = [stored_figures(measure, project, i) for i in range(len(files))]
     error = errors(landmarks) if errors else None
-    cells = [name, str(len(files)), method, order, f"{figures[0]['sd']:.4f} / {figures[0]['angle']:.1f}°",
-             str(sum(f["flips"] for f in figures)),
-             f"{max(error):.2f} / {np.mean(error):.2f}" if error else "", f"{seconds:.1f}"]
+    cells = [
+        name,
+        str(len(files)),
+        method,
+        order,
+        f"{figures[0]['sd']:.4f} / {figures[0]['angle']:.1f}°",
+        str(sum(f["flips"] for f in figures)),
+        f"{max(error):.2f} / {np.mean(error):.2f}" if error else "",
+        f"{seconds:.1f}",
+    ]
     print("| " + " | ".join(cells) + " |", flush=True)
 
 
 def main():
     here = Path(__file__).resolve().parents[1]
-    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data"))
-    plugin = os.environ.get("SPHERE_PROPAGATION_PLUGIN", here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so")
+    data = Path(
+        sys.argv[1]
+        if len(sys.argv) > 1
+        else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data")
+    )
+    plugin = os.environ.get(
+        "SPHERE_PROPAGATION_PLUGIN",
+        here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so",
+    )
     if not (data.parent / "yardstick/measure.py").exists():
-        sys.exit(f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and heart_truth.")
+        sys.exit(
+            f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and heart_truth."
+        )
     sys.path.insert(0, str(data.parent / "yardstick"))
     import measure
     import phantom
+
     pymeshlab.load_plugin(str(plugin))
 
-    print("| data | layers | method | order | root: area sd / angle error | flipped faces, all layers | "
-          "landmark error, worst / mean (mm) | seconds |")
+    print(
+        "| data | layers | method | order | root: area sd / angle error | flipped faces, all layers | "
+        "landmark error, worst / mean (mm) | seconds |"
+    )
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     methods = ["As published", "Robust"]
-    truth = [(measure.points(v), f) for v, f in map(measure.read_ply, sorted((data / "heart_truth/truth").glob("*.ply")))]
+    truth = [
+        (measure.points(v), f)
+        for v, f in map(measure.read_ply, sorted((data / "heart_truth/truth").glob("*.ply")))
+    ]
     real = sorted((data / "heart_truth/mc").glob("*.ply"))
     for method in methods:
-        row("real patient with known truth", measure, real, method, "Cyclic time",
-            lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)])
+        row(
+            "real patient with known truth",
+            measure,
+            real,
+            method,
+            "Cyclic time",
+            lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)],
+        )
     cine = sorted((data / "heart_cine").glob("endo_*.ply"))
     for method in methods:
         row("real patient, cine", measure, cine, method, "Cyclic time", None)

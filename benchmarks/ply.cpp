@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "benchmarks/ply.h"
 
 #include <cstdint>
@@ -17,10 +18,10 @@ struct Property {
 };
 
 size_t sizeOf(const std::string& type) {
-  static const std::map<std::string, size_t> sizes{{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},
-                                                   {"short", 2}, {"ushort", 2},  {"int16", 2},  {"uint16", 2},
-                                                   {"int", 4},   {"uint", 4},    {"int32", 4},  {"uint32", 4},
-                                                   {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+  static const std::map<std::string, size_t> sizes{
+      {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
+      {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
+      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   return sizes.at(type);
 }
 
@@ -63,7 +64,8 @@ PlyMesh readPly(const std::string& path) {
       throw std::runtime_error(path + ": not a plain triangle mesh");
     }
   }
-  if (!file || format != "binary_little_endian") throw std::runtime_error(path + ": no binary PLY file");
+  if (!file || format != "binary_little_endian")
+    throw std::runtime_error(path + ": no binary PLY file");
 
   std::vector<char> bytes(vertexSize * static_cast<size_t>(vertexCount));
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -73,7 +75,8 @@ PlyMesh readPly(const std::string& path) {
       to.conservativeResize(vertexCount, 3);
       for (Eigen::Index v = 0; v < vertexCount; ++v) {
         const char* at = bytes.data() + static_cast<size_t>(v) * vertexSize + property.offset;
-        to(v, k) = sizeOf(property.type) == 8 ? valueAt<double>(at) : static_cast<double>(valueAt<float>(at));
+        to(v, k) = sizeOf(property.type) == 8 ? valueAt<double>(at)
+                                              : static_cast<double>(valueAt<float>(at));
       }
     }
   };
@@ -89,8 +92,8 @@ PlyMesh readPly(const std::string& path) {
   mesh.faces.resize(faceCount, 3);
   for (Eigen::Index f = 0; f < faceCount; ++f)
     for (int k = 0; k < 3; ++k)
-      mesh.faces(f, k) =
-          valueAt<std::int32_t>(bytes.data() + faceSize * static_cast<size_t>(f) + 1 + 4 * static_cast<size_t>(k));
+      mesh.faces(f, k) = valueAt<std::int32_t>(bytes.data() + faceSize * static_cast<size_t>(f) +
+                                               1 + 4 * static_cast<size_t>(k));
   return mesh;
 }
 
@@ -99,7 +102,8 @@ void writePly(const std::string& path, const PlyMesh& mesh) {
   header << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.rows()
          << "\nproperty float x\nproperty float y\nproperty float z\n";
   if (mesh.map.rows() > 0) header << "property double px\nproperty double py\nproperty double pz\n";
-  header << "element face " << mesh.faces.rows() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  header << "element face " << mesh.faces.rows()
+         << "\nproperty list uchar int vertex_indices\nend_header\n";
   std::string bytes = header.str();
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     for (int k = 0; k < 3; ++k) put(bytes, static_cast<float>(mesh.vertices(v, k)));
@@ -110,7 +114,8 @@ void writePly(const std::string& path, const PlyMesh& mesh) {
     put<std::uint8_t>(bytes, 3);
     for (int k = 0; k < 3; ++k) put(bytes, static_cast<std::int32_t>(mesh.faces(f, k)));
   }
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 }  // namespace sphere_propagation::benchmark

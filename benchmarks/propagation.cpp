@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // What propagation reaches and costs; see the usage below.
 
 #include <algorithm>
@@ -12,11 +13,11 @@
 #include "benchmarks/ply.h"
 #include "benchmarks/timing.h"
 #include "vcg_ext/base/stopwatch.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/root_map.h"
 #include "vcg_ext/propagation/propagation.h"
-#include "vcg_ext/propagation/similarity_tree.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
+#include "vcg_ext/root_map/root_map.h"
+#include "vcg_ext/sequence/similarity_tree.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::benchmark {
 namespace {
@@ -46,11 +47,13 @@ Options optionsOf(const std::vector<std::string>& arguments) {
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     const auto value = [&] {
-      if (i + 1 == arguments.size()) throw std::invalid_argument(word + " needs a value.\n\n" + usage);
+      if (i + 1 == arguments.size())
+        throw std::invalid_argument(word + " needs a value.\n\n" + usage);
       return arguments[++i];
     };
     if (word == "--method") {
-      options.parameters.method = value() == "published" ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+      options.parameters.method =
+          value() == "published" ? PropagationMethod::AsPublished : PropagationMethod::Robust;
     } else if (word == "--order") {
       options.order = value();
     } else if (word == "--root") {
@@ -108,7 +111,8 @@ void run(const Options& options) {
     vertices += surfaces.back().vertexCount();
   }
   if (options.root < 0 || options.root >= static_cast<int>(surfaces.size()))
-    throw std::invalid_argument("There is no layer " + std::to_string(options.root) + " to be the root.");
+    throw std::invalid_argument("There is no layer " + std::to_string(options.root) +
+                                " to be the root.");
   const ClosedSurface& root = surfaces[static_cast<size_t>(options.root)];
   RootMapParameters rootParameters;
   rootParameters.threads = options.parameters.threads;
@@ -116,9 +120,11 @@ void run(const Options& options) {
   const Cost ofRoot(options.repeat, [&] { rootMap = {makeRootMap(root, rootParameters)}; });
   Propagation made;
   PropagationParameters parameters = options.parameters;
-  if (options.order == "cyclic") parameters.closing = closingArc(static_cast<int>(surfaces.size()), options.root);
-  const Cost ofPropagation(
-      options.repeat, [&] { made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), parameters); });
+  if (options.order == "cyclic")
+    parameters.closing = closingArc(static_cast<int>(surfaces.size()), options.root);
+  const Cost ofPropagation(options.repeat, [&] {
+    made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), parameters);
+  });
   std::vector<Remeshed> remeshed;
   const auto layers = static_cast<int>(surfaces.size());
   ThreadPool pool(options.parameters.threads);
@@ -143,11 +149,13 @@ void run(const Options& options) {
     flips += certify(surfaces[i].faces(), made.layers[i].map.positions()).flippedFaces;
     residual += made.layers[i].residualMean / static_cast<double>(surfaces.size() - 1);
   }
-  std::printf("layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld residual=%.4f u=%.5f", surfaces.size(),
-              root.vertexCount(), vertices / static_cast<double>(surfaces.size()), flips, residual,
-              unitSeconds(root.vertices(), root.faces()));
-  const std::map<std::string, Cost> costs = {
-      {"distances", ofDistances}, {"propagation", ofPropagation}, {"remeshing", ofRemeshing}, {"root", ofRoot}};
+  std::printf("layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld residual=%.4f u=%.5f",
+              surfaces.size(), root.vertexCount(), vertices / static_cast<double>(surfaces.size()),
+              flips, residual, unitSeconds(root.vertices(), root.faces()));
+  const std::map<std::string, Cost> costs = {{"distances", ofDistances},
+                                             {"propagation", ofPropagation},
+                                             {"remeshing", ofRemeshing},
+                                             {"root", ofRoot}};
   for (const auto& [name, cost] : costs)
     std::printf(" %s_cpu=%.4f %s_wall=%.4f", name.c_str(), cost.cpu, name.c_str(), cost.wall);
   std::printf("\n");
@@ -158,7 +166,8 @@ void run(const Options& options) {
   std::ofstream file(options.landmarks, std::ios::binary);
   for (const Remeshed& layer : remeshed)
     file.write(reinterpret_cast<const char*>(layer.landmarks.data()),
-               static_cast<std::streamsize>(sizeof(double)) * static_cast<std::streamsize>(layer.landmarks.size()));
+               static_cast<std::streamsize>(sizeof(double)) *
+                   static_cast<std::streamsize>(layer.landmarks.size()));
 }
 
 }  // namespace

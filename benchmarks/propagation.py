@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Prints how good propagation is and what it costs, in the unit u of the same run, and the paper's Table 1 run again.
 
     propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM] [--only PART ...]
@@ -12,6 +13,7 @@
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0, cyclic order. CPU: seconds of all
 threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's Laplacian. The least of three runs, of a peer one.
 """
+
 import argparse
 import os
 import re
@@ -21,9 +23,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 import made_motions
+import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 LANDMARKS = 1002
@@ -37,13 +38,31 @@ def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False
     with tempfile.TemporaryDirectory() as folder:
         landmarks = Path(folder) / "landmarks"
         more = ["--root-map", root_map] if root_map else []
-        done = subprocess.run([options.program, "--method", method, "--repeat", str(repeat), "--threads", str(options.threads),
-                               "--landmarks", landmarks, *more, *files], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [
+                options.program,
+                "--method",
+                method,
+                "--repeat",
+                str(repeat),
+                "--threads",
+                str(options.threads),
+                "--landmarks",
+                landmarks,
+                *more,
+                *files,
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0 and may_fail:
             return None
         if done.returncode != 0:
             sys.exit(f"{options.program}: {done.stdout} {done.stderr}")
-        figures = {name: float(value) for name, value in re.findall(r"(\w+)=([-+.\deE]+)", done.stdout)}
+        figures = {
+            name: float(value) for name, value in re.findall(r"(\w+)=([-+.\deE]+)", done.stdout)
+        }
         return figures, list(np.fromfile(landmarks).reshape(len(files), LANDMARKS, 3))
 
 
@@ -51,10 +70,18 @@ def run_peer(peer, root_map, files, measure):
     """CPU seconds of all it does, and its landmarks."""
     with tempfile.TemporaryDirectory() as folder:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([sys.executable, peer, root_map, *files[1:], "-o", folder] if peer.endswith(".py") else
-                       [peer, root_map, *files[1:], "-o", folder], stdout=subprocess.DEVNULL, check=True)
+        subprocess.run(
+            [sys.executable, peer, root_map, *files[1:], "-o", folder]
+            if peer.endswith(".py")
+            else [peer, root_map, *files[1:], "-o", folder],
+            stdout=subprocess.DEVNULL,
+            check=True,
+        )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        landmarks = [measure.points(measure.read_ply(file)[0]) for file in sorted(Path(folder).glob("landmarks_*.ply"))]
+        landmarks = [
+            measure.points(measure.read_ply(file)[0])
+            for file in sorted(Path(folder).glob("landmarks_*.ply"))
+        ]
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, landmarks
 
 
@@ -68,14 +95,20 @@ def row(cells):
 
 def error_text(errors):
     """errors: one list over phases per run; worst and mean, averaged over the runs."""
-    return f"{np.mean([max(e) for e in errors]):.2f} / {np.mean([np.mean(e) for e in errors]):.2f}" if errors else ""
+    return (
+        f"{np.mean([max(e) for e in errors]):.2f} / {np.mean([np.mean(e) for e in errors]):.2f}"
+        if errors
+        else ""
+    )
 
 
 def phases_of(phantom, kept, **choices):
     """A phantom of which only some phases are there."""
+
     class Kept(phantom.Ventricle):
         def sheet(self, t, *rest):
             return super().sheet(kept[t], *rest)
+
     return Kept(**choices)
 
 
@@ -86,7 +119,9 @@ def write_phases(phantom, ventricle, count, folder, noise=0.0):
     for t in range(count):
         v, f = ventricle.mesh(t)
         away = random.normal(size=v.shape)
-        v = v + noise * random.random((len(v), 1)) * away / np.linalg.norm(away, axis=1, keepdims=True)
+        v = v + noise * random.random((len(v), 1)) * away / np.linalg.norm(
+            away, axis=1, keepdims=True
+        )
         files.append(Path(folder) / f"{t:02d}.ply")
         phantom.write_ply(files[-1], v, f)
     return files
@@ -94,36 +129,95 @@ def write_phases(phantom, ventricle, count, folder, noise=0.0):
 
 def cost_cells(figures):
     u = figures["u"]
-    return [f"{figures['root_vertices']:.0f}, {figures['mean_vertices']:.0f}", f"{1000 * u:.1f}",
-            *(f"{figures[f'propagation_{kind}']:.2f} s = {figures[f'propagation_{kind}'] / u:.0f} u" for kind in ("cpu", "wall")),
-            *(f"{1000 * figures[f'remeshing_{kind}']:.0f} + {1000 * figures[f'distances_{kind}']:.0f} ms = "
-              f"{(figures[f'remeshing_{kind}'] + figures[f'distances_{kind}']) / u:.1f} u" for kind in ("cpu", "wall"))]
+    return [
+        f"{figures['root_vertices']:.0f}, {figures['mean_vertices']:.0f}",
+        f"{1000 * u:.1f}",
+        *(
+            f"{figures[f'propagation_{kind}']:.2f} s = {figures[f'propagation_{kind}'] / u:.0f} u"
+            for kind in ("cpu", "wall")
+        ),
+        *(
+            f"{1000 * figures[f'remeshing_{kind}']:.0f} + {1000 * figures[f'distances_{kind}']:.0f} ms = "
+            f"{(figures[f'remeshing_{kind}'] + figures[f'distances_{kind}']) / u:.1f} u"
+            for kind in ("cpu", "wall")
+        ),
+    ]
 
 
 def sequences(options, measure, phantom, folder):
-    table(["data", "layers", "method", "vertices: root, mean", "u (ms)", "propagation, CPU", "propagation, wall",
-           "landmarks + their distances, CPU", "the same, wall", "flipped faces", "error"])
-    truth = [(measure.points(v), f) for v, f in map(measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply")))]
-    data = [("real patient with known truth", sorted((options.data / "heart_truth/mc").glob("*.ply")),
-             lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)]),
-            ("real patient, cine", sorted((options.data / "heart_cine").glob("endo_*.ply")), None)]
+    table(
+        [
+            "data",
+            "layers",
+            "method",
+            "vertices: root, mean",
+            "u (ms)",
+            "propagation, CPU",
+            "propagation, wall",
+            "landmarks + their distances, CPU",
+            "the same, wall",
+            "flipped faces",
+            "error",
+        ]
+    )
+    truth = [
+        (measure.points(v), f)
+        for v, f in map(
+            measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply"))
+        )
+    ]
+    data = [
+        (
+            "real patient with known truth",
+            sorted((options.data / "heart_truth/mc").glob("*.ply")),
+            lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)],
+        ),
+        ("real patient, cine", sorted((options.data / "heart_cine").glob("endo_*.ply")), None),
+    ]
     for part in ("cavity", "wall"):
         for seed in range(options.seeds):
             ventricle = phantom.Ventricle(part, seed)
             place = folder / f"{part}{seed}"
             place.mkdir()
-            data.append((f"phantom, {part}, seed {seed}", write_phases(phantom, ventricle, ventricle.phases, place), ventricle.errors))
+            data.append(
+                (
+                    f"phantom, {part}, seed {seed}",
+                    write_phases(phantom, ventricle, ventricle.phases, place),
+                    ventricle.errors,
+                )
+            )
     for name, files, errors in data:
         files = list(map(str, files))
         root_map = str(folder / "root_map.ply")
         for method, label in METHODS.items():
             figures, landmarks = run(options, files, method, root_map=root_map)
-            row([name, str(len(files)), label, *cost_cells(figures), f"{figures['flips']:.0f}",
-                 error_text([errors(landmarks)] if errors else [])])
+            row(
+                [
+                    name,
+                    str(len(files)),
+                    label,
+                    *cost_cells(figures),
+                    f"{figures['flips']:.0f}",
+                    error_text([errors(landmarks)] if errors else []),
+                ]
+            )
         if options.peer:
             seconds, landmarks = run_peer(options.peer, root_map, files, measure)
-            row([name, str(len(files)), "peer", "", "", f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", "", "", "", "",
-                 error_text([errors(landmarks)] if errors else [])])
+            row(
+                [
+                    name,
+                    str(len(files)),
+                    "peer",
+                    "",
+                    "",
+                    f"{seconds:.2f} s = {seconds / figures['u']:.0f} u",
+                    "",
+                    "",
+                    "",
+                    "",
+                    error_text([errors(landmarks)] if errors else []),
+                ]
+            )
 
 
 def voxel_for(phantom, vertices):
@@ -135,8 +229,16 @@ def voxel_for(phantom, vertices):
 
 
 def paper(options, measure, phantom, folder):
-    table(["K", "vertices: root, mean (paper)", "root map", "propagation, as published", "propagation, robust",
-           "paper: root map, propagation (2.4 GHz)"])
+    table(
+        [
+            "K",
+            "vertices: root, mean (paper)",
+            "root map",
+            "propagation, as published",
+            "propagation, robust",
+            "paper: root map, propagation (2.4 GHz)",
+        ]
+    )
     for phases, root, mean, root_seconds, seconds in PAPER:
         ventricle = phantom.Ventricle("cavity", phases=phases, voxel=voxel_for(phantom, root))
         place = folder / f"paper{phases}"
@@ -144,27 +246,47 @@ def paper(options, measure, phantom, folder):
         files = list(map(str, write_phases(phantom, ventricle, phases, place)))
         figures = {method: run(options, files, method)[0] for method in METHODS}
         made = figures["robust"]
-        row([str(phases), f"{made['root_vertices']:.0f}, {made['mean_vertices']:.0f} ({root}, {mean})", f"{made['root_cpu']:.3f} s",
-             *(f"{figures[method]['propagation_cpu']:.2f} s" for method in METHODS), f"{root_seconds} s, {seconds} s"])
+        row(
+            [
+                str(phases),
+                f"{made['root_vertices']:.0f}, {made['mean_vertices']:.0f} ({root}, {mean})",
+                f"{made['root_cpu']:.3f} s",
+                *(f"{figures[method]['propagation_cpu']:.2f} s" for method in METHODS),
+                f"{root_seconds} s, {seconds} s",
+            ]
+        )
 
 
 def disturbed(options, measure, phantom, folder):
-    table(["phantom", "cavity: as published", "cavity: robust", "wall: as published", "wall: robust"])
+    table(
+        ["phantom", "cavity: as published", "cavity: robust", "wall: as published", "wall: robust"]
+    )
     whole = list(range(25))
-    cases = {"as it is": {}, "twisted by 10 degrees": {"twist": 10}, "every vertex moved by up to half a voxel": {"noise": 0.5},
-             "the sixth phase is missing": {"kept": whole[:5] + whole[6:]}, "every second phase": {"kept": whole[::2]}}
+    cases = {
+        "as it is": {},
+        "twisted by 10 degrees": {"twist": 10},
+        "every vertex moved by up to half a voxel": {"noise": 0.5},
+        "the sixth phase is missing": {"kept": whole[:5] + whole[6:]},
+        "every second phase": {"kept": whole[::2]},
+    }
     for name, choices in cases.items():
         cells = []
         for part in ("cavity", "wall"):
             errors = {method: [] for method in METHODS}
             for seed in range(options.seeds):
                 kept = choices.get("kept", whole)
-                ventricle = phases_of(phantom, kept, part=part, seed=seed, twist=choices.get("twist", 0))
+                ventricle = phases_of(
+                    phantom, kept, part=part, seed=seed, twist=choices.get("twist", 0)
+                )
                 with tempfile.TemporaryDirectory(dir=folder) as place:
                     noise = choices.get("noise", 0) * ventricle.voxel
-                    files = list(map(str, write_phases(phantom, ventricle, len(kept), place, noise)))
+                    files = list(
+                        map(str, write_phases(phantom, ventricle, len(kept), place, noise))
+                    )
                     for method in METHODS:
-                        errors[method].append(ventricle.errors(run(options, files, method, repeat=1)[1]))
+                        errors[method].append(
+                            ventricle.errors(run(options, files, method, repeat=1)[1])
+                        )
             cells += [error_text(errors[method]) for method in METHODS]
         row([name, *cells])
 
@@ -173,17 +295,33 @@ def other(options, measure, phantom, folder):
     def surface(file):
         vertex, f = measure.read_ply(options.data / file)
         return measure.points(vertex), f
-    groups = {f"ventricle of another make, {part}": [made_motions.Ventricle(part, seed) for seed in range(4)] for part in ("cavity", "wall")}
-    groups["warped ventricle"] = [made_motions.WarpedSurface(surface("heart_cine/endo_00.ply"), seed) for seed in (1, 3)]
-    groups["warped hippocampus"] = [made_motions.WarpedSurface(surface("classic/hippocampus.ply"), seed) for seed in (1, 2)]
-    groups["warped skull"] = [made_motions.WarpedSurface(surface("finch_skulls/G.ConirostrisE.ply"), seed) for seed in (1, 2)]
+
+    groups = {
+        f"ventricle of another make, {part}": [
+            made_motions.Ventricle(part, seed) for seed in range(4)
+        ]
+        for part in ("cavity", "wall")
+    }
+    groups["warped ventricle"] = [
+        made_motions.WarpedSurface(surface("heart_cine/endo_00.ply"), seed) for seed in (1, 3)
+    ]
+    groups["warped hippocampus"] = [
+        made_motions.WarpedSurface(surface("classic/hippocampus.ply"), seed) for seed in (1, 2)
+    ]
+    groups["warped skull"] = [
+        made_motions.WarpedSurface(surface("finch_skulls/G.ConirostrisE.ply"), seed)
+        for seed in (1, 2)
+    ]
     table(["moves", "how many", "R", *METHODS.values(), *(["peer"] if options.peer else [])])
     root_map = str(folder / "root_map.ply")
     for name, motions in groups.items():
         found = {method: [] for method in (*METHODS, "peer")}
 
         def cell(errors, count=len(motions)):
-            return error_text(errors) + (f" ({count - len(errors)} of {count}: no valid map)" if len(errors) < count else "")
+            return error_text(errors) + (
+                f" ({count - len(errors)} of {count}: no valid map)" if len(errors) < count else ""
+            )
+
         radii = []
         for k, motion in enumerate(motions):
             place = folder / f"{name} {k}".replace(" ", "_")
@@ -197,17 +335,37 @@ def other(options, measure, phantom, folder):
             for method in METHODS:
                 made = run(options, files, method, repeat=1, root_map=root_map, may_fail=True)
                 if made:
-                    found[method].append(made_motions.errors(motion, made[1], measure.closest_points))
+                    found[method].append(
+                        made_motions.errors(motion, made[1], measure.closest_points)
+                    )
             if options.peer:
                 landmarks = run_peer(options.peer, root_map, files, measure)[1]
                 found["peer"].append(made_motions.errors(motion, landmarks, measure.closest_points))
-        row([name, str(len(motions)), f"{np.mean(radii):.1f}", *(cell(found[method]) for method in (*METHODS, *(["peer"] if options.peer else [])))])
+        row(
+            [
+                name,
+                str(len(motions)),
+                f"{np.mean(radii):.1f}",
+                *(
+                    cell(found[method])
+                    for method in (*METHODS, *(["peer"] if options.peer else []))
+                ),
+            ]
+        )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "build/pymeshlab/benchmarks/propagation_benchmark")
-    parser.add_argument("--data", type=Path, default=Path(os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data")))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--program", default=ROOT / "build/pymeshlab/benchmarks/propagation_benchmark"
+    )
+    parser.add_argument(
+        "--data",
+        type=Path,
+        default=Path(os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data")),
+    )
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--peer")
@@ -215,10 +373,13 @@ def main():
     parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
     options = parser.parse_args()
     if not (options.data.parent / "yardstick/measure.py").exists():
-        sys.exit(f"No data in {options.data}, or no yardstick beside it: name the folder with heart_cine and heart_truth.")
+        sys.exit(
+            f"No data in {options.data}, or no yardstick beside it: name the folder with heart_cine and heart_truth."
+        )
     sys.path.insert(0, str(options.data.parent / "yardstick"))
     import measure
     import phantom
+
     with tempfile.TemporaryDirectory() as folder:
         for part in options.only:
             parts[part](options, measure, phantom, Path(folder))

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Prints what the filter "Remesh by icosphere" costs as a whole, through PyMeshLab: reading the layers, certifying their maps, landmarks,
 distances, writing the new layers.
 
@@ -7,13 +8,13 @@ distances, writing the new layers.
 Milliseconds of a run that replaces earlier landmarks, the least of ten. scripts/measure-propagation prints the core's part, in the unit
 u, too.
 """
+
 import os
 import sys
 import time
 from pathlib import Path
 
 import pymeshlab
-
 from main_job import load_layers
 
 VERTICES = 3500  # what the paper's layers have, about
@@ -24,7 +25,11 @@ def mapped(files, vertices):
     project = load_layers(files)
     for i in range(len(files) if vertices else 0):
         project.set_current_mesh(i)
-        project.apply_filter("meshing_decimation_quadric_edge_collapse", targetfacenum=2 * vertices - 4, preservetopology=True)
+        project.apply_filter(
+            "meshing_decimation_quadric_edge_collapse",
+            targetfacenum=2 * vertices - 4,
+            preservetopology=True,
+        )
     project.set_current_mesh(0)
     project.apply_filter("compute_spherical_parameterisation_root")
     project.apply_filter("transfer_spherical_parameterisation_to_layers", order="Cyclic time")
@@ -43,20 +48,34 @@ def cost(project, threads):
 
 def main():
     here = Path(__file__).resolve().parents[1]
-    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data"))
-    plugin = os.environ.get("SPHERE_PROPAGATION_PLUGIN", here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so")
+    data = Path(
+        sys.argv[1]
+        if len(sys.argv) > 1
+        else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data")
+    )
+    plugin = os.environ.get(
+        "SPHERE_PROPAGATION_PLUGIN",
+        here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so",
+    )
     if not (data / "heart_truth").exists():
         sys.exit(f"No data in {data}: name the folder with heart_cine and heart_truth.")
     pymeshlab.load_plugin(str(plugin))
-    print("| data | layers | vertices, mean | one thread: wall, CPU (ms) | all threads: wall, CPU (ms) |\n| --- | --- | --- | --- | --- |")
-    data_sets = (("real patient with known truth", "heart_truth/mc/*.ply"), ("real patient, cine", "heart_cine/endo_*.ply"))
+    print(
+        "| data | layers | vertices, mean | one thread: wall, CPU (ms) | all threads: wall, CPU (ms) |\n| --- | --- | --- | --- | --- |"
+    )
+    data_sets = (
+        ("real patient with known truth", "heart_truth/mc/*.ply"),
+        ("real patient, cine", "heart_cine/endo_*.ply"),
+    )
     for name, pattern in data_sets:
         for vertices in (VERTICES, None):
             files = sorted(data.glob(pattern))
             project = mapped(files, vertices)
             mean = sum(project.mesh(i).vertex_number() for i in range(len(files))) / len(files)
             cells = ["{:.0f}, {:.0f}".format(*cost(project, threads)) for threads in (1, 0)]
-            print("| " + " | ".join([name, str(len(files)), f"{mean:.0f}", *cells]) + " |", flush=True)
+            print(
+                "| " + " | ".join([name, str(len(files)), f"{mean:.0f}", *cells]) + " |", flush=True
+            )
 
 
 if __name__ == "__main__":

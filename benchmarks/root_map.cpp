@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // root_map_benchmark [OPTION...] MESH...
 //
-// Maps each mesh to the sphere and prints one line: what came of it, and what it cost. MESH is a PLY file or made here:
+// Maps each mesh to the sphere and prints one line: what came of it, and what it cost. MESH is a
+// PLY file or made here:
 //   blob:FREQUENCY[:NOISE[:SEED]]   limbs:SEGMENTS:SUBDIVISIONS   tree:DEPTH:SEGMENTS:SUBDIVISIONS
 //   disc:RINGS   coil:TURNS:AROUND:ALONG
 // Options, each for the meshes after it:
@@ -12,7 +14,8 @@
 //   --measure         the file already has a map: measure that one
 //   --progress        print how far it says it is, and the CPU seconds until then
 //   --make FILE       write the mesh without a map and do no more
-//   --level N FILE    write the level of the hierarchy with N vertices, with a map of its own, and do no more
+//   --level N FILE    write the level of the hierarchy with N vertices, with a map of its own, and
+//   do no more
 
 #include <sys/resource.h>
 
@@ -26,11 +29,11 @@
 #include "benchmarks/timing.h"
 #include "tests/core/limb_meshes.h"
 #include "vcg_ext/base/stopwatch.h"
-#include "vcg_ext/map/collapsible_mesh.h"
-#include "vcg_ext/map/map_measures.h"
-#include "vcg_ext/map/root_map.h"
-#include "vcg_ext/map/simplification.h"
-#include "vcg_ext/map/spatial_order.h"
+#include "vcg_ext/mesh/hierarchy/collapsible_mesh.h"
+#include "vcg_ext/mesh/hierarchy/simplification.h"
+#include "vcg_ext/mesh/hierarchy/spatial_order.h"
+#include "vcg_ext/root_map/root_map.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation::benchmark {
 namespace {
@@ -46,7 +49,8 @@ PlyMesh meshOf(const std::string& name) {
   const auto whole = [&](size_t i, double otherwise) { return static_cast<int>(at(i, otherwise)); };
   test::Mesh mesh;
   if (x.empty()) return readPly(name);
-  if (kind == "blob") mesh = test::blob(whole(0, 10), at(1, 0.3), static_cast<unsigned>(whole(2, 1)));
+  if (kind == "blob")
+    mesh = test::blob(whole(0, 10), at(1, 0.3), static_cast<unsigned>(whole(2, 1)));
   if (kind == "limbs") mesh = test::limbs(whole(0, 10), whole(1, 2));
   if (kind == "tree") mesh = test::tree(whole(0, 2), whole(1, 4), whole(2, 2));
   if (kind == "disc") mesh = test::disc(whole(0, 30));
@@ -76,7 +80,8 @@ PlyMesh levelOf(const PlyMesh& mesh, const std::string& name, const Options& opt
   result.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
   for (size_t i = 0; i < vertices.size(); ++i)
     result.vertices.row(static_cast<Eigen::Index>(i)) = surface.vertices().row(order[vertices[i]]);
-  result.map = makeRootMap(ClosedSurface(result.vertices, result.faces, name), options.parameters).map.positions();
+  result.map = makeRootMap(ClosedSurface(result.vertices, result.faces, name), options.parameters)
+                   .map.positions();
   return result;
 }
 
@@ -94,26 +99,27 @@ void run(const std::string& name, const Options& options) {
       const double start = cpuSeconds();
       const Stopwatch stopwatch;
       const RootMapResult result = makeRootMap(surface, options.parameters, [&](double fraction) {
-        if (options.progress) std::printf("  %5.1f %% after %.3f s\n", 100 * fraction, cpuSeconds() - start);
+        if (options.progress)
+          std::printf("  %5.1f %% after %.3f s\n", 100 * fraction, cpuSeconds() - start);
       });
       const double seconds = stopwatch.seconds(), used = cpuSeconds() - start;
       if (i <= 0 || used < cpu) cpu = used;
       if (i <= 0 || seconds < wall) wall = seconds;
       mesh.map = result.map.positions();
-      how = nameOf(result.used) + ", " + std::to_string(result.levels) + " levels, " + std::to_string(result.steps) +
-            " steps";
+      how = nameOf(result.used) + ", " + std::to_string(result.levels) + " levels, " +
+            std::to_string(result.steps) + " steps";
     }
   const double measuring = cpuSeconds();
   const MapMeasures measures = measureMap(surface, mesh.map);
   const double measured = cpuSeconds() - measuring;
-  std::printf("%s: vertices=%d flips=%ld degree=%.6f sd=%.5f log=%.5f angle=%.3f", name.c_str(), surface.vertexCount(),
-              measures.certificate.flippedFaces, measures.certificate.degree, measures.areaRatioSd,
-              measures.areaLogMean, measures.angleErrorMean);
+  std::printf("%s: vertices=%d flips=%ld degree=%.6f sd=%.5f log=%.5f angle=%.3f", name.c_str(),
+              surface.vertexCount(), measures.certificate.flippedFaces, measures.certificate.degree,
+              measures.areaRatioSd, measures.areaLogMean, measures.angleErrorMean);
   if (!options.measure) {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    std::printf(" cpu=%.4f wall=%.4f checks=%.3f measures=%.3f MB=%ld", cpu, wall, checked, measured,
-                usage.ru_maxrss / 1024);
+    std::printf(" cpu=%.4f wall=%.4f checks=%.3f measures=%.3f MB=%ld", cpu, wall, checked,
+                measured, usage.ru_maxrss / 1024);
     if (options.unit) {
       const double unit = unitSeconds(surface.vertices(), surface.faces());
       std::printf(" u=%.5f ratio=%.2f", unit, cpu / unit);

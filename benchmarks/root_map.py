@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Prints how good the root map is and what it costs, beside the unit u and, where one is given, beside another program.
 
     root_map.py [--program EXE] [--data DATA] [--peer EXE [--peer-arguments "A B ..."]] [--threads N] [--series LARGEST] [MESH ...]
@@ -13,6 +14,7 @@
 CPU seconds, warm, the least of three runs; u: CPU seconds of one Eigen SimplicialLDLT of the mesh's Laplacian, by the same
 program with the same flags. The area sd and the angle error are the yardstick's.
 """
+
 import argparse
 import math
 import os
@@ -29,7 +31,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def figures(program, *arguments):
     """What root_map_benchmark says of one mesh: name -> number; None where it failed."""
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [program, *map(str, arguments)], capture_output=True, text=True, check=False
+    )
     line = done.stdout.strip().splitlines()[-1] if done.stdout.strip() else done.stderr
     if done.returncode != 0:
         print(f"  {line}", file=sys.stderr)
@@ -53,7 +57,9 @@ def peer_figures(program, peer, arguments, mesh, folder):
     for _ in range(3):
         made.unlink(missing_ok=True)
         before = cpu_of_children()
-        subprocess.run([peer, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+        subprocess.run(
+            [peer, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False
+        )
         seconds = min(seconds, cpu_of_children() - before)
     if not made.exists():
         return None
@@ -66,20 +72,43 @@ def peer_figures(program, peer, arguments, mesh, folder):
 def cells(found, unit):
     if found is None:
         return ["", "", "", "", ""]
-    return [f"{found['sd']:.4f}", f"{found['angle']:.1f}", f"{found['flips']:.0f}", f"{found['cpu']:.3f}", f"{found['cpu'] / unit:.1f}"]
+    return [
+        f"{found['sd']:.4f}",
+        f"{found['angle']:.1f}",
+        f"{found['flips']:.0f}",
+        f"{found['cpu']:.3f}",
+        f"{found['cpu'] / unit:.1f}",
+    ]
 
 
 def default_meshes(data):
     meshes = sorted((data / "classic").glob("*.ply"))
-    meshes += sorted((data / "heart_cine").glob("endo_*.ply"))[::10] + sorted((data / "heart_truth/mc").glob("*.ply"))[::12]
+    meshes += (
+        sorted((data / "heart_cine").glob("endo_*.ply"))[::10]
+        + sorted((data / "heart_truth/mc").glob("*.ply"))[::12]
+    )
     meshes += sorted((data / "finch_skulls").glob("*.ply"))
-    return [str(m) for m in meshes] + ["limbs:20:2", "limbs:10:3", "tree:2:4:2", "tree:3:3:2", "disc:30", "coil:3:24:200", "blob:22"]
+    return [str(m) for m in meshes] + [
+        "limbs:20:2",
+        "limbs:10:3",
+        "tree:2:4:2",
+        "tree:3:3:2",
+        "disc:30",
+        "coil:3:24:200",
+        "blob:22",
+    ]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=ROOT / "build/pymeshlab/benchmarks/root_map_benchmark")
-    parser.add_argument("--data", type=Path, default=os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data"))
+    parser.add_argument(
+        "--data",
+        type=Path,
+        default=os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data"),
+    )
     parser.add_argument("--peer")
     parser.add_argument("--peer-arguments", default="")
     parser.add_argument("--threads", type=int, default=1)
@@ -99,26 +128,49 @@ def main():
         row = [Path(mesh).name, f"{found['vertices']:.0f}", *cells(found, found["u"])]
         if options.peer:
             with tempfile.TemporaryDirectory() as folder:
-                row += cells(peer_figures(options.program, options.peer, options.peer_arguments, mesh, folder), found["u"])
+                row += cells(
+                    peer_figures(
+                        options.program, options.peer, options.peer_arguments, mesh, folder
+                    ),
+                    found["u"],
+                )
         print("| " + " | ".join(row) + " |", flush=True)
 
     if options.series:
         print("\n| series | vertices | sd | CPU s | wall s | MB | exponent from the first |")
         print("| --- | --- | --- | --- | --- | --- | --- |")
-        blobs = [f"blob:{round(math.sqrt(n / 10))}" for n in (5000, 20000, 100000, 300000, 1000000, 3000000, 10000000) if n <= options.series]
-        limbs = [f"limbs:6:{k}" for k in range(3, 8) if 80 * 4 ** k <= 1.2 * options.series]
+        blobs = [
+            f"blob:{round(math.sqrt(n / 10))}"
+            for n in (5000, 20000, 100000, 300000, 1000000, 3000000, 10000000)
+            if n <= options.series
+        ]
+        limbs = [f"limbs:6:{k}" for k in range(3, 8) if 80 * 4**k <= 1.2 * options.series]
         for series in (blobs, limbs):
             first = None
             for mesh in series:
                 small = options.series and float(mesh.split(":")[-1]) < 50
-                found = figures(options.program, "--threads", options.threads, "--unit", 0, "--repeat", 3 if small else 1, mesh)
+                found = figures(
+                    options.program,
+                    "--threads",
+                    options.threads,
+                    "--unit",
+                    0,
+                    "--repeat",
+                    3 if small else 1,
+                    mesh,
+                )
                 if found is None:
                     continue
                 first = first or found
                 grown = math.log(found["vertices"] / first["vertices"])
-                exponent = f"{math.log(found['cpu'] / first['cpu']) / grown:.3f}" if grown > 0 else ""
-                print(f"| {mesh} | {found['vertices']:.0f} | {found['sd']:.4f} | {found['cpu']:.2f} | {found['wall']:.2f} | "
-                      f"{found['MB']:.0f} | {exponent} |", flush=True)
+                exponent = (
+                    f"{math.log(found['cpu'] / first['cpu']) / grown:.3f}" if grown > 0 else ""
+                )
+                print(
+                    f"| {mesh} | {found['vertices']:.0f} | {found['sd']:.4f} | {found['cpu']:.2f} | {found['wall']:.2f} | "
+                    f"{found['MB']:.0f} | {exponent} |",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "benchmarks/timing.h"
 
 #include <ctime>
@@ -24,7 +25,8 @@ double unitSeconds(const Points& vertices, const Triangles& faces) {
       const int a = faces(f, (k + 1) % 3), b = faces(f, (k + 2) % 3), c = faces(f, k);
       const Vector3 p = (vertices.row(a) - vertices.row(c)).transpose(),
                     q = (vertices.row(b) - vertices.row(c)).transpose();
-      const double w = 0.5 * std::clamp(p.dot(q) / std::max(1e-300, p.cross(q).norm()), -0.5, 20.0) + 1e-3;
+      const double w =
+          0.5 * std::clamp(p.dot(q) / std::max(1e-300, p.cross(q).norm()), -0.5, 20.0) + 1e-3;
       for (const auto& [i, j, sign] :
            {std::tuple{a, b, -1}, std::tuple{b, a, -1}, std::tuple{a, a, 1}, std::tuple{b, b, 1}})
         entries.emplace_back(i, j, sign * w);

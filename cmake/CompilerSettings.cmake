@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 # Flags of this project's own targets; link `compiler_settings` PRIVATE. Other people's headers come in as SYSTEM and stay silent.
 add_library(compiler_settings INTERFACE)
 

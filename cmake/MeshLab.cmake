@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 # Where MeshLab's headers are, and add_meshlab_plugin(NAME SOURCES...).
 #
 # MESHLAB_SOURCE_DIR  an unpacked MeshLab source tree; scripts/build names one, otherwise scripts/needs finds or fetches it

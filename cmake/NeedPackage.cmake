@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 # What building needs, and the words for what is missing.
 
 # Ends the configuration; says how to install what is missing.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 # What CMake puts into the Python package beside its modules (pyproject.toml): the plugins for PyMeshLab, as component `python`.
 set(python_plugins filter_sphere_propagation filter_label_volume)
 

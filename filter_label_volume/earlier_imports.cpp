@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/earlier_imports.h"
 
 #include <algorithm>
@@ -28,14 +29,17 @@ int fingerprintOf(const std::string& text) {
   return fingerprint.short24();
 }
 
-/// What the names of a series have in common, without the number: which files there are does not matter.
+/// What the names of a series have in common, without the number: which files there are does not
+/// matter.
 std::string seriesName(const std::vector<std::string>& files) {
-  const std::string first = fullPath(files.front()).u8string(), last = fullPath(files.back()).u8string();
+  const std::string first = fullPath(files.front()).u8string(),
+                    last = fullPath(files.back()).u8string();
   const size_t shorter = std::min(first.size(), last.size());
   size_t begin = 0, end = 0;
   while (begin < shorter && first[begin] == last[begin]) ++begin;
   while (begin > 0 && isDigit(first[begin - 1])) --begin;
-  while (end < shorter - begin && first[first.size() - 1 - end] == last[last.size() - 1 - end]) ++end;
+  while (end < shorter - begin && first[first.size() - 1 - end] == last[last.size() - 1 - end])
+    ++end;
   while (end > 0 && isDigit(first[first.size() - end])) --end;
   return first.substr(0, begin) + "#" + first.substr(first.size() - end);
 }
@@ -46,7 +50,8 @@ bool contains(const std::vector<int>& numbers, int number) {
 
 }  // namespace
 
-EarlierImports::EarlierImports(const host::Layers& layers, const std::vector<std::string>& files, std::string labelText)
+EarlierImports::EarlierImports(const host::Layers& layers, const std::vector<std::string>& files,
+                               std::string labelText)
     : surfaces_(layers.all(host::LayerKind::Surface)), labelText_(std::move(labelText)) {
   for (const std::string& file : files) {
     stems_.push_back(stemOf(file));
@@ -63,13 +68,14 @@ bool EarlierImports::ofThisImport(const host::Layer& layer) const {
 
 bool EarlierImports::beginsWith(const host::Layer& layer, const std::string& suffix) const {
   const std::string label = layer.plainLabel();
-  return std::any_of(stems_.begin(), stems_.end(),
-                     [&](const std::string& stem) { return label.rfind(stem + suffix + " label ", 0) == 0; });
+  return std::any_of(stems_.begin(), stems_.end(), [&](const std::string& stem) {
+    return label.rfind(stem + suffix + " label ", 0) == 0;
+  });
 }
 
 std::string EarlierImports::chooseSuffix(const std::string& folder) const {
-  std::vector<std::string> candidates{"",
-                                      " (" + folder + ")"};  // one more than there are layers that could be in the way
+  std::vector<std::string> candidates{
+      "", " (" + folder + ")"};  // one more than there are layers that could be in the way
   for (size_t number = 2; number <= surfaces_.size() + 1; ++number)
     candidates.push_back(" (" + folder + " " + std::to_string(number) + ")");
   std::vector<bool> taken(candidates.size(), false);
@@ -79,7 +85,8 @@ std::string EarlierImports::chooseSuffix(const std::string& folder) const {
       if (ofThisImport(layer)) return candidates[i];  // as it was called before
       taken[i] = true;
     }
-  return candidates[static_cast<size_t>(std::find(taken.begin(), taken.end(), false) - taken.begin())];
+  return candidates[static_cast<size_t>(std::find(taken.begin(), taken.end(), false) -
+                                        taken.begin())];
 }
 
 void EarlierImports::place(host::NewLayer& layer, size_t file) {
@@ -102,10 +109,12 @@ std::vector<host::Layer> EarlierImports::leftOver() const {
   std::vector<host::Layer> found;
   for (const host::Layer& layer : surfaces_) {
     if (contains(replaced_, layer.id()) || !ofThisImport(layer)) continue;
-    // Of these labels, and called as the import calls its layers: "... label 1" or "... label 1 phase 07".
+    // Of these labels, and called as the import calls its layers: "... label 1" or "... label 1
+    // phase 07".
     std::string label = layer.plainLabel();
     const size_t phase = label.rfind(" phase ");
-    if (phase != std::string::npos && std::all_of(label.begin() + static_cast<long>(phase) + 7, label.end(), isDigit))
+    if (phase != std::string::npos &&
+        std::all_of(label.begin() + static_cast<long>(phase) + 7, label.end(), isDigit))
       label.resize(phase);
     if (label.size() > labelText_.size() &&
         label.compare(label.size() - labelText_.size(), labelText_.size(), labelText_) == 0)

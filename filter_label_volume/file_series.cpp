@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/file_series.h"
 
 #include <algorithm>
@@ -66,22 +67,25 @@ std::vector<std::string> fileSeries(const std::string& fileName) {
     std::map<std::string, std::string, BySize> found;
     for (const std::string& file : names) {
       const std::string other = uncompressed(file);
-      if (other.size() <= before.size() + after.size() || other.compare(0, before.size(), before) != 0 ||
+      if (other.size() <= before.size() + after.size() ||
+          other.compare(0, before.size(), before) != 0 ||
           other.compare(other.size() - after.size(), after.size(), after) != 0)
         continue;
-      const std::string digits = other.substr(before.size(), other.size() - before.size() - after.size());
+      const std::string digits =
+          other.substr(before.size(), other.size() - before.size() - after.size());
       if (!std::all_of(digits.begin(), digits.end(), isDigit)) continue;
       const auto [at, isNew] = found.emplace(withoutZeros(digits), file);
       if (isNew) continue;
       if (uncompressed(at->second) != other)
-        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second + "\" and \"" + file +
-                          "\".");
+        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second +
+                          "\" and \"" + file + "\".");
       if (isCompressed(file) == isCompressed(name)) at->second = file;  // one file in two forms
     }
     if (found.size() > 1) {
       std::vector<std::string> series;
       series.reserve(found.size());
-      for (const auto& file : found) series.push_back((path.parent_path() / fs::u8path(file.second)).u8string());
+      for (const auto& file : found)
+        series.push_back((path.parent_path() / fs::u8path(file.second)).u8string());
       return series;
     }
     end = begin;

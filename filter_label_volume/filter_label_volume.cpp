@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/filter_label_volume.h"
 
 #include "filter_label_volume/import_filter.h"

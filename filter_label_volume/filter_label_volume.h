@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The plugin that reads label volumes: MeshLab's face of vcg_ext/volume and of ITK's readers.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // "Import label volume as layers": from the scanner's labels to one closed surface per phase.
 
 #include "filter_label_volume/import_filter.h"
@@ -21,7 +22,7 @@ namespace sphere_propagation {
 namespace {
 
 /// Phases whose surface lacks more than this share of the label's volume are named in the log.
-constexpr double mostLoss = 0.1;
+constexpr double maxLoss = 0.1;
 
 std::string shortNumber(double value) {
   char buffer[32];
@@ -48,15 +49,17 @@ std::vector<std::int32_t> parseLabels(const std::string& text) {
     const size_t digits = word[0] == '-' ? 1 : 0;
     if (word.size() == digits || word.size() > 9 + digits ||
         word.find_first_not_of("0123456789", digits) != std::string::npos)
-      throw ParameterError("labels is \"" + text +
-                           "\", but must be whole numbers, as \"1\", or \"1,2\" for the union of two labels.");
+      throw ParameterError(
+          "labels is \"" + text +
+          "\", but must be whole numbers, as \"1\", or \"1,2\" for the union of two labels.");
     const int label = std::stoi(word);
     if (label == 0) throw ParameterError("labels holds 0, which is the background.");
     if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
     at = end;
   }
   if (labels.empty())
-    throw ParameterError("labels is empty; it must name a label, as \"1\", or several, as \"1,2\" for their union.");
+    throw ParameterError(
+        "labels is empty; it must name a label, as \"1\", or several, as \"1,2\" for their union.");
   return labels;
 }
 
@@ -69,98 +72,100 @@ std::string numbered(int number, int count) {
 
 /// What was done to a phase's labels, for the log.
 std::string describe(const VolumeSurface& s) {
-  std::string line = millilitres(s.labelVolume) + " of voxels, surface of " + millilitres(s.volume) + ", " +
+  std::string line = millilitres(s.labelVolume) + " of voxels, surface of " +
+                     millilitres(s.volume) + ", " +
                      counted(s.vertices.rows(), "vertex", "vertices");
   const auto share = [&](long voxels) {
     return counted(voxels, "working voxel", "working voxels") + ", " +
-           shortNumber(100.0 * static_cast<double>(voxels) / static_cast<double>(s.workingVoxels)) + " %";
+           shortNumber(100.0 * static_cast<double>(voxels) / static_cast<double>(s.workingVoxels)) +
+           " %";
   };
   if (s.interpolatedSlices > 0)
     line += "; " + counted(s.interpolatedSlices, "empty slice", "empty slices") + " interpolated";
   if (s.dropped.parts > 0)
-    line +=
-        "; " + counted(s.dropped.parts, "smaller part", "smaller parts") + " dropped (" + share(s.dropped.voxels) + ")";
+    line += "; " + counted(s.dropped.parts, "smaller part", "smaller parts") + " dropped (" +
+            share(s.dropped.voxels) + ")";
   if (s.filledVoxels > 0) line += "; cavities filled (" + share(s.filledVoxels) + ")";
   if (s.handles.by != RemovedHandles::By::Nothing)
     line += "; " + counted(s.handles.handles, "handle", "handles") +
-            (s.handles.by == RemovedHandles::By::Cutting ? " cut (" : " filled (") + share(s.handles.changedVoxels) +
-            " changed)";
+            (s.handles.by == RemovedHandles::By::Cutting ? " cut (" : " filled (") +
+            share(s.handles.changedVoxels) + " changed)";
   return line;
 }
 
 class ImportFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Import label volume as layers", "create_layers_from_label_volume",
-            "Reads a segmentation (NIfTI, NRRD or MetaImage; 3D, or 4D with time; or a numbered series of 3D files) "
-            "and makes one layer per "
-            "phase: the surface of a label, or of several labels united, in millimetres, where the file's matrix puts "
-            "it. Every surface is closed, "
-            "manifold, outward, of one part and of genus 0, so that the other filters take it as it is.<br>"
-            "Slices that lie far apart are interpolated by their shapes, with flat caps half a slice beyond the first "
-            "and the last one. Cavities are "
-            "filled, the largest part is kept, handles are cut or filled by fronts of simple points, whichever changes "
-            "fewer voxels; the log says "
-            "what was changed. Smoothing keeps the volume. Run again on the same file and labels, the filter replaces "
-            "its layers and removes those of phases that are gone. Layers of another file of the same name stay; the "
-            "new ones then "
-            "have the folder's name in theirs.<br><br>"
-            "Returned, one entry per layer: <b>phase</b>: its number; <b>label_volume</b>: of the voxels, mm^3; "
-            "<b>volume</b>: of the surface, mm^3; <b>vertices</b>: how many; <b>interpolated_slices</b>: empty slices "
-            "that were interpolated; <b>dropped_share</b>: of the working voxels, in smaller parts; "
-            "<b>filled_voxels</b>: working voxels in cavities; <b>handles</b>: that the label had; "
-            "<b>changed_voxels</b>: working voxels changed to remove them; <b>seconds</b>: of this phase. "
-            "<b>layers</b>: how many were made.<br><br>"
-            "See:<br><i>Sai P. Raya and Jayaram K. Udupa</i><br><b>\"Shape-based interpolation of multidimensional "
-            "objects\"</b><br>"
-            "IEEE Transactions on Medical Imaging 9(1), 1990.<br>"
-            "<i>Stephan Bischoff and Leif Kobbelt</i><br><b>\"Isosurface reconstruction with topology "
-            "control\"</b><br>Pacific Graphics, 2002.<br>"
-            "<i>Gilles Bertrand and Gr&eacute;goire Malandain</i><br><b>\"A new characterization of three-dimensional "
-            "simple points\"</b><br>"
-            "Pattern Recognition Letters 15(2), 1994.<br>"
-            "<i>William E. Lorensen and Harvey E. Cline</i><br><b>\"Marching cubes: a high resolution 3D surface "
-            "construction algorithm\"</b><br>"
-            "Computer Graphics 21(4), 1987.",
-            static_cast<int>(host::Menu::MeshCreation), host::Arity::None};
+    return {
+        "Import label volume as layers", "create_layers_from_label_volume",
+        "Reads a segmentation (NIfTI, NRRD or MetaImage; 3D, or 4D with time; or a numbered series "
+        "of 3D files) and makes one layer per phase: the surface of a label, or of several labels "
+        "united, in millimetres, where the file's matrix puts it. Every surface is closed, "
+        "manifold, outward, of one part and of genus 0, so that the other filters take it as it "
+        "is.<br>Slices that lie far apart are interpolated by their shapes, with flat caps half a "
+        "slice beyond the first and the last one. Cavities are filled, the largest part is kept, "
+        "handles are cut or filled by fronts of simple points, whichever changes fewer voxels; the "
+        "log says what was changed. Smoothing keeps the volume. Run again on the same file and "
+        "labels, the filter replaces its layers and removes those of phases that are gone. Layers "
+        "of another file of the same name stay; the new ones then have the folder's name in "
+        "theirs.<br><br>Returned, one entry per layer: <b>phase</b>: its number; "
+        "<b>label_volume</b>: of the voxels, mm^3; <b>volume</b>: of the surface, mm^3; "
+        "<b>vertices</b>: how many; <b>interpolated_slices</b>: empty slices that were "
+        "interpolated; <b>dropped_share</b>: of the working voxels, in smaller parts; "
+        "<b>filled_voxels</b>: working voxels in cavities; <b>handles</b>: that the label had; "
+        "<b>changed_voxels</b>: working voxels changed to remove them; <b>seconds</b>: of this "
+        "phase. <b>layers</b>: how many were made.<br><br>See:<br><i>Sai P. Raya and Jayaram K. "
+        "Udupa</i><br><b>\"Shape-based interpolation of multidimensional objects\"</b><br>IEEE "
+        "Transactions on Medical Imaging 9(1), 1990.<br><i>Stephan Bischoff and Leif "
+        "Kobbelt</i><br><b>\"Isosurface reconstruction with topology control\"</b><br>Pacific "
+        "Graphics, 2002.<br><i>Gilles Bertrand and Gr&eacute;goire Malandain</i><br><b>\"A new "
+        "characterization of three-dimensional simple points\"</b><br>Pattern Recognition Letters "
+        "15(2), 1994.<br><i>William E. Lorensen and Harvey E. Cline</i><br><b>\"Marching cubes: a "
+        "high resolution 3D surface construction algorithm\"</b><br>Computer Graphics 21(4), 1987.",
+        static_cast<int>(host::Menu::MeshCreation), host::Arity::None};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const VolumeSurfaceParameters defaults;
-    return {
-        {"file_name", "File",
-         "NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), of labels, 3D or 4D.",
-         host::Parameter::File{"Label volumes (*.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd);;All files (*)"}},
-        {"labels", "Labels", "The label to be imported, as \"1\"; or several, as \"1,2\", for their union.",
-         std::string("1")},
-        {"voxel_size", "Voxel size",
-         "Edge of the cubic voxels that are worked on, mm; larger ones make fewer vertices. 0: the smallest spacing of "
-         "the file.",
-         defaults.interpolation.voxelSize},
-        {"smoothing", "Smoothing",
-         "Standard deviation of the Gaussian that smooths the surface, in working voxels, 0 to 5. The volume is kept.",
-         defaults.smoothing},
-        {"coordinates", "Coordinates",
-         "RAS: x to the patient's right, y to the front, z to the head, as NIfTI, 3D Slicer's scenes and most viewers. "
-         "LPS: x to the left, y to the back, as "
-         "DICOM and ITK.",
-         host::Parameter::Choice{{"RAS", "LPS"}, 0}},
-        {"fill_holes", "Fill holes", "Fill cavities that the label encloses completely.", defaults.fillHoles},
-        {"keep_largest_component", "Keep the largest component", "Drop all parts of the label but the largest one.",
-         defaults.keepLargestComponent},
-        {"cut_handles", "Cut handles",
-         "Remove handles (and cavities that are left), so that the surface is of genus 0.", defaults.cutHandles},
-        {"file_series", "Numbered series of files",
-         "Also read the files beside this one whose names differ from it in one number only, in the order of that "
-         "number: one phase each.",
-         false},
-        {"skip_incomplete_phases", "Skip incomplete phases",
-         "Leave out phases in which a label does not occur, instead of stopping with an error.", false},
-        host::Parameter{"longest_gap", "Longest gap",
-                        "Slices without the label between slices with it are interpolated when there are at most so "
-                        "many in a row; 0: never.",
-                        defaults.interpolation.longestGap}
-            .asAdvanced()};
+    return {{"file_name", "File",
+             "NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), of labels, 3D "
+             "or 4D.",
+             host::Parameter::File{
+                 "Label volumes (*.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd);;All files (*)"}},
+            {"labels", "Labels",
+             "The label to be imported, as \"1\"; or several, as \"1,2\", for their union.",
+             std::string("1")},
+            {"voxel_size", "Voxel size",
+             "Edge of the cubic voxels that are worked on, mm; larger ones make fewer vertices. 0: "
+             "the smallest spacing of the file.",
+             defaults.interpolation.voxelSize},
+            {"smoothing", "Smoothing",
+             "Standard deviation of the Gaussian that smooths the surface, in working voxels, 0 to "
+             "5. The volume is kept.",
+             defaults.smoothing},
+            {"coordinates", "Coordinates",
+             "RAS: x to the patient's right, y to the front, z to the head, as NIfTI, 3D Slicer's "
+             "scenes and most viewers. LPS: x to the left, y to the back, as DICOM and ITK.",
+             host::Parameter::Choice{{"RAS", "LPS"}, 0}},
+            {"fill_holes", "Fill holes", "Fill cavities that the label encloses completely.",
+             defaults.fillHoles},
+            {"keep_largest_component", "Keep the largest component",
+             "Drop all parts of the label but the largest one.", defaults.keepLargestComponent},
+            {"cut_handles", "Cut handles",
+             "Remove handles (and cavities that are left), so that the surface is of genus 0.",
+             defaults.cutHandles},
+            {"file_series", "Numbered series of files",
+             "Also read the files beside this one whose names differ from it in one number only, "
+             "in the order of that number: one phase each.",
+             false},
+            {"skip_incomplete_phases", "Skip incomplete phases",
+             "Leave out phases in which a label does not occur, instead of stopping with an error.",
+             false},
+            host::Parameter{"longest_gap", "Longest gap",
+                            "Slices without the label between slices with it are interpolated when "
+                            "there are at most so many in a row; 0: never.",
+                            defaults.interpolation.longestGap}
+                .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -173,15 +178,17 @@ class ImportFilter : public host::Filter {
     parameters.keepLargestComponent = task.values.flag("keep_largest_component");
     parameters.cutHandles = task.values.flag("cut_handles");
     const std::string fileName = task.values.file("file_name");
-    if (fileName.empty()) throw ParameterError("file_name is empty: choose the file of a label volume.");
-    const Coordinates coordinates = task.values.choice("coordinates") == 0 ? Coordinates::Ras : Coordinates::Lps;
+    if (fileName.empty())
+      throw ParameterError("file_name is empty: choose the file of a label volume.");
+    const Coordinates coordinates =
+        task.values.choice("coordinates") == 0 ? Coordinates::Ras : Coordinates::Lps;
     const bool skip = task.values.flag("skip_incomplete_phases");
     const std::vector<std::string> files =
         task.values.flag("file_series") ? fileSeries(fileName) : std::vector<std::string>{fileName};
     const auto fileCount = static_cast<int>(files.size());
     if (task.values.flag("file_series"))
-      task.log(counted(fileCount, "file", "files") + " in the series, from \"" + files.front() + "\" to \"" +
-               files.back() + "\"");
+      task.log(counted(fileCount, "file", "files") + " in the series, from \"" + files.front() +
+               "\" to \"" + files.back() + "\"");
 
     std::string labelText = " label";
     for (const std::int32_t label : parameters.interpolation.labels)
@@ -190,33 +197,41 @@ class ImportFilter : public host::Filter {
     std::vector<Figures> figures;
     EarlierImports earlier(task.layers, files, labelText);
     if (!earlier.suffix().empty())
-      task.log("Note: layers of another file of this name are in the project, so these are called \"" +
-               stemOf(files.front()) + earlier.suffix() + labelText + "\".");
+      task.log(
+          "Note: layers of another file of this name are in the project, so these are called \"" +
+          stemOf(files.front()) + earlier.suffix() + labelText + "\".");
     long skipped = 0;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
       const std::string stem = stemOf(files[static_cast<size_t>(f)]) + earlier.suffix();
       if (fileCount > 1 && file.phases() > 1)
-        throw VolumeError("\"" + files[static_cast<size_t>(f)] + "\" holds " + std::to_string(file.phases()) +
-                          " phases by itself; the files of a series hold one each. Import it without file_series.");
-      for (const std::string& note : file.notes()) task.log(std::string(stem).append(": ").append(note));
+        throw VolumeError("\"" + files[static_cast<size_t>(f)] + "\" holds " +
+                          std::to_string(file.phases()) +
+                          " phases by itself; the files of a series hold one each. Import it "
+                          "without file_series.");
+      for (const std::string& note : file.notes())
+        task.log(std::string(stem).append(": ").append(note));
       const int phases = fileCount * file.phases();
       for (int p = 0; p < file.phases(); ++p) {
         const Stopwatch stopwatch;
         const int phase = fileCount > 1 ? f : p;
         // A series' files tell their phases by their names.
-        const std::string name = stem + labelText + (file.phases() > 1 ? " phase " + numbered(p, file.phases()) : "");
-        const Progress progress = part(task.progress, static_cast<double>(phase) / phases, (phase + 1.0) / phases);
+        const std::string name =
+            stem + labelText + (file.phases() > 1 ? " phase " + numbered(p, file.phases()) : "");
+        const Progress progress =
+            part(task.progress, static_cast<double>(phase) / phases, (phase + 1.0) / phases);
         try {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
-          if (const std::string text = warning(surface); !text.empty()) task.log("Warning: " + name + ": " + text);
+          if (const std::string text = warning(surface); !text.empty())
+            task.log("Warning: " + name + ": " + text);
           figures.emplace_back(surface, phase, stopwatch.seconds());
           addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
           if (!skip || phases == 1)
-            throw AbsentLabelError(place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
-                                   (phases > 1 ? " Incomplete phases can be skipped (skip_incomplete_phases)." : ""));
+            throw AbsentLabelError(
+                place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
+                (phases > 1 ? " Incomplete phases can be skipped (skip_incomplete_phases)." : ""));
           task.log(name + ": skipped. " + error.what());
           ++skipped;
         } catch (const VolumeError& error) {
@@ -225,14 +240,16 @@ class ImportFilter : public host::Filter {
       }
     }
     if (figures.empty())
-      throw AbsentLabelError("\"" + fileName + "\": no phase has the labels \"" + task.values.text("labels") +
-                             "\"; all were skipped.");
+      throw AbsentLabelError("\"" + fileName + "\": no phase has the labels \"" +
+                             task.values.text("labels") + "\"; all were skipped.");
     if (skipped > 0)
-      task.log(counted(skipped, "phase was", "phases were") + " skipped, because a label is missing in them");
+      task.log(counted(skipped, "phase was", "phases were") +
+               " skipped, because a label is missing in them");
     if (earlier.replacedUnknown() > 0)
-      task.log("Note: " + counted(earlier.replacedUnknown(), "layer", "layers") +
-               " of the same name replaced; which file they came from is not known. Where they are another patient's, "
-               "load them again and rename them, or the file, before the import.");
+      task.log(
+          "Note: " + counted(earlier.replacedUnknown(), "layer", "layers") +
+          " of the same name replaced; which file they came from is not known. Where they are "
+          "another patient's, load them again and rename them, or the file, before the import.");
     removeLeftOver(task, earlier);
     task.changes.makeFirstNewLayerCurrent();
     return outputsOf(figures);
@@ -262,7 +279,8 @@ class ImportFilter : public host::Filter {
     host::Outputs outputs{{"layers", static_cast<int>(figures.size())}};
     for (size_t key = 0; key < keys.size(); ++key) {
       Eigen::VectorXd values(static_cast<Eigen::Index>(figures.size()));
-      for (size_t i = 0; i < figures.size(); ++i) values[static_cast<Eigen::Index>(i)] = figures[i].values[key];
+      for (size_t i = 0; i < figures.size(); ++i)
+        values[static_cast<Eigen::Index>(i)] = figures[i].values[key];
       outputs[keys[key]] = values;
     }
     return outputs;
@@ -270,12 +288,13 @@ class ImportFilter : public host::Filter {
 
   /// What the user should know about a phase's surface; usually nothing.
   static std::string warning(const VolumeSurface& surface) {
-    const double kept = 1 - static_cast<double>(surface.dropped.voxels) / static_cast<double>(surface.workingVoxels);
+    const double kept = 1 - static_cast<double>(surface.dropped.voxels) /
+                                static_cast<double>(surface.workingVoxels);
     const double loss = 1 - surface.volume / (surface.labelVolume * kept);
-    if (!(loss > mostLoss)) return {};
+    if (!(loss > maxLoss)) return {};
     return "the surface encloses " + std::to_string(std::lround(100 * loss)) +
-           " % less than the label's voxels. The label is thin for so much smoothing in voxels of this size: choose a "
-           "smaller smoothing, or a smaller voxel_size.";
+           " % less than the label's voxels. The label is thin for so much smoothing in voxels of "
+           "this size: choose a smaller smoothing, or a smaller voxel_size.";
   }
 
   static std::string place(const std::string& file, int phase, int phases) {
@@ -287,14 +306,16 @@ class ImportFilter : public host::Filter {
     if (layers.empty()) return;
     for (const host::Layer& layer : layers) task.changes.removeLayer(layer);
     task.log(counted(static_cast<long>(layers.size()), "layer", "layers") +
-             " of an earlier import of this removed, which it does not make again: from \"" + layers.front().label() +
-             "\" to \"" + layers.back().label() + "\"");
+             " of an earlier import of this removed, which it does not make again: from \"" +
+             layers.front().label() + "\" to \"" + layers.back().label() + "\"");
   }
 
-  static void addLayer(host::Task& task, EarlierImports& earlier, size_t file, const std::string& name,
-                       const VolumeSurfaceParameters& parameters, VolumeSurface surface) {
+  static void addLayer(host::Task& task, EarlierImports& earlier, size_t file,
+                       const std::string& name, const VolumeSurfaceParameters& parameters,
+                       VolumeSurface surface) {
     if (parameters.cutHandles && parameters.keepLargestComponent) {
-      const ClosedSurface sphere(surface.vertices, surface.faces, name);  // what was promised is checked
+      const ClosedSurface sphere(surface.vertices, surface.faces,
+                                 name);  // what was promised is checked
     }
     host::NewLayer layer;
     layer.label = name;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/itk_reader.h"
 
 #include <itkMetaImageIO.h>
@@ -16,7 +17,9 @@ namespace {
 /// ITK prints warnings to the console otherwise.
 class Silence {
  public:
-  Silence() : before_(itk::Object::GetGlobalWarningDisplay()) { itk::Object::GlobalWarningDisplayOff(); }
+  Silence() : before_(itk::Object::GetGlobalWarningDisplay()) {
+    itk::Object::GlobalWarningDisplayOff();
+  }
   ~Silence() { itk::Object::SetGlobalWarningDisplay(before_); }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
@@ -42,10 +45,10 @@ VoxelType typeOf(const itk::ImageIOBase& io) {
   const Type type = io.GetComponentType();
   if (type == Type::FLOAT) return VoxelType::Float;
   if (type == Type::DOUBLE) return VoxelType::Double;
-  const bool isSigned =
-      type == Type::CHAR || type == Type::SHORT || type == Type::INT || type == Type::LONG || type == Type::LONGLONG;
-  if (isSigned || type == Type::UCHAR || type == Type::USHORT || type == Type::UINT || type == Type::ULONG ||
-      type == Type::ULONGLONG) {
+  const bool isSigned = type == Type::CHAR || type == Type::SHORT || type == Type::INT ||
+                        type == Type::LONG || type == Type::LONGLONG;
+  if (isSigned || type == Type::UCHAR || type == Type::USHORT || type == Type::UINT ||
+      type == Type::ULONG || type == Type::ULONGLONG) {
     switch (io.GetComponentSize()) {
       case 1:
         return isSigned ? VoxelType::Int8 : VoxelType::Uint8;
@@ -79,8 +82,8 @@ ItkVolume readWithItk(const std::string& fileName, VolumeFormat format, std::int
     volume.numbers *= static_cast<std::int64_t>(io->GetDimensions(axis));
   }
   if (volume.numbers != expected)
-    throw VolumeError("ITK finds " + std::to_string(volume.numbers) + " numbers in it, its header says " +
-                      std::to_string(expected));
+    throw VolumeError("ITK finds " + std::to_string(volume.numbers) +
+                      " numbers in it, its header says " + std::to_string(expected));
   volume.type = typeOf(*io);
   io->SetIORegion(region);
   volume.voxels.resize(static_cast<size_t>(expected) * io->GetComponentSize());
@@ -96,7 +99,8 @@ ItkVolume readWithItk(const std::string& fileName, VolumeFormat format, std::int
   return volume;
 } catch (const itk::ExceptionObject& error) {
   // Its objects tell where they lie in memory, which is nobody's business and never the same.
-  throw VolumeError("ITK says: " + std::regex_replace(error.GetDescription(), std::regex("\\(0x[0-9a-f]+\\)"), ""));
+  throw VolumeError("ITK says: " + std::regex_replace(error.GetDescription(),
+                                                      std::regex("\\(0x[0-9a-f]+\\)"), ""));
 }
 
 }  // namespace sphere_propagation

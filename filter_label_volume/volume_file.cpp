@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/volume_file.h"
 
 #include <cmath>
@@ -42,16 +43,20 @@ void VolumeFile::Content::read() {
     toWorld = *header.toRas;
     return;
   }
-  toWorld.topRows<3>() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(volume.toLps.data());
+  toWorld.topRows<3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(volume.toLps.data());
   toWorld.topRows<2>() *= -1;
 }
 
-/// Labels of the type T, phase by phase or, where phases come first, with the phase running fastest.
+/// Labels of the type T, phase by phase or, where phases come first, with the phase running
+/// fastest.
 template <class T>
 void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
-  const size_t count = grid.labels.size(), phases = header.size.size() > 3 ? static_cast<size_t>(header.size[3]) : 1;
-  const T* from = reinterpret_cast<const T*>(voxels.data()) +
-                  (header.phasesFirst ? static_cast<size_t>(phase) : count * static_cast<size_t>(phase));
+  const size_t count = grid.labels.size(),
+               phases = header.size.size() > 3 ? static_cast<size_t>(header.size[3]) : 1;
+  const T* from =
+      reinterpret_cast<const T*>(voxels.data()) +
+      (header.phasesFirst ? static_cast<size_t>(phase) : count * static_cast<size_t>(phase));
   const size_t step = header.phasesFirst ? phases : 1;
   long wrong = 0;
   size_t first = 0;
@@ -59,7 +64,8 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
     const T value = from[i * step];
     bool good = true;
     if constexpr (std::is_floating_point_v<T>) {
-      const double real = header.slope * static_cast<double>(value) + header.shift, whole = std::nearbyint(real);
+      const double real = header.slope * static_cast<double>(value) + header.shift,
+                   whole = std::nearbyint(real);
       good = std::fabs(real - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
       if (good) grid.labels[i] = static_cast<std::int32_t>(whole);
     } else {
@@ -72,14 +78,16 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
   const auto nx = static_cast<size_t>(grid.size[0]), ny = static_cast<size_t>(grid.size[1]);
   std::ostringstream value;
   value << +from[first * step];
-  throw VolumeError("\"" + name + "\": " + counted(wrong, "voxel is no label", "voxels are no label") +
-                    ", first voxel (" + std::to_string(first % nx) + ", " + std::to_string(first / nx % ny) + ", " +
-                    std::to_string(first / nx / ny) + ") of phase " + std::to_string(phase) + ", which is " +
-                    value.str() +
-                    ": labels are whole numbers of 32 bits. Is this the image instead of its segmentation?");
+  throw VolumeError(
+      "\"" + name + "\": " + counted(wrong, "voxel is no label", "voxels are no label") +
+      ", first voxel (" + std::to_string(first % nx) + ", " + std::to_string(first / nx % ny) +
+      ", " + std::to_string(first / nx / ny) + ") of phase " + std::to_string(phase) +
+      ", which is " + value.str() +
+      ": labels are whole numbers of 32 bits. Is this the image instead of its segmentation?");
 }
 
-VolumeFile::VolumeFile(std::string name, Coordinates coordinates) : content_(std::make_unique<Content>()) {
+VolumeFile::VolumeFile(std::string name, Coordinates coordinates)
+    : content_(std::make_unique<Content>()) {
   content_->name = std::move(name);
   try {
     content_->read();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Label volumes in files, as ITK reads them.
 
@@ -9,10 +10,12 @@
 
 namespace sphere_propagation {
 
-/// The coordinates that surfaces get: x to the right and y to the front of the patient, or the other way.
+/// The coordinates that surfaces get: x to the right and y to the front of the patient, or the
+/// other way.
 enum class Coordinates { Ras, Lps };
 
-/// A file of one or more phases, read when it is made; its voxels stay in the type that they have in the file.
+/// A file of one or more phases, read when it is made; its voxels stay in the type that they have
+/// in the file.
 class VolumeFile {
  public:
   /// Throws VolumeError, which names the file, says what is wrong with it and what to do.
@@ -22,7 +25,8 @@ class VolumeFile {
   VolumeFile& operator=(const VolumeFile&) = delete;
 
   int phases() const;
-  /// phase: 0 to phases() - 1. Throws VolumeError when a voxel is no whole number, or none of 32 bits.
+  /// phase: 0 to phases() - 1. Throws VolumeError when a voxel is no whole number, or none of 32
+  /// bits.
   LabelGrid phase(int phase) const;
   /// What the user should know about the file.
   const std::vector<std::string>& notes() const;

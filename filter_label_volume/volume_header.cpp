@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/volume_header.h"
 
 #include <zlib.h>
@@ -20,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double largestData = 4.0 * 1024 * 1024 * 1024;  // bytes
-constexpr double largestDeflation = 1032;                 // zlib cannot do better
+constexpr double maxData = 4.0 * 1024 * 1024 * 1024;  // bytes
+constexpr double maxDeflation = 1032;                 // zlib cannot do better
 constexpr size_t longestTextHeader = 1 << 20;
 
 [[noreturn]] void fail(const std::string& what) { throw VolumeError(what); }
@@ -43,14 +44,17 @@ std::vector<std::int64_t> checkedSize(std::vector<std::int64_t> size) {
   for (const std::int64_t n : size)
     if (n < 1) fail("the volume has no voxels: its size is " + text);
   if (size.size() < 3)
-    fail("it is an image of " + std::to_string(size.size()) + " dimensions; label volumes have 3 or 4");
+    fail("it is an image of " + std::to_string(size.size()) +
+         " dimensions; label volumes have 3 or 4");
   while (size.size() > 3 && size.back() == 1) size.pop_back();
   if (size.size() > 4)
-    fail("it has " + std::to_string(size.size()) + " dimensions (" + text + "); label volumes have 3, or 4 with time");
+    fail("it has " + std::to_string(size.size()) + " dimensions (" + text +
+         "); label volumes have 3, or 4 with time");
   for (int axis = 0; axis < 3; ++axis)
     if (size[static_cast<size_t>(axis)] > 32767)
       fail("the size " + text + " is beyond what can be read (32767 per axis)");
-  if (size.size() == 4 && size[3] > 10000) fail("there are " + std::to_string(size[3]) + " phases; the most are 10000");
+  if (size.size() == 4 && size[3] > 10000)
+    fail("there are " + std::to_string(size[3]) + " phases; the most are 10000");
   return size;
 }
 
@@ -62,16 +66,17 @@ double product(const std::vector<std::int64_t>& size) {
 
 /// The data claimed by the head against what the file holds. offset: where the data begin.
 void compare(double claimed, double present, bool compressed, std::vector<std::string>& notes) {
-  if (claimed > largestData)
+  if (claimed > maxData)
     fail("the data take " + bytes(claimed) + "; the most that is read is 4 GB: crop the volume");
-  if (compressed && claimed > present * largestDeflation)
+  if (compressed && claimed > present * maxDeflation)
     fail("the header claims " + bytes(claimed) + " of voxels, but the file can hold at most " +
-         bytes(present * largestDeflation) + " of them: it is truncated or its header is wrong");
+         bytes(present * maxDeflation) + " of them: it is truncated or its header is wrong");
   if (!compressed && claimed > present)
-    fail("the header claims " + bytes(claimed) + " of voxels, but the file holds " + bytes(present) +
-         " of them: it is truncated or its header is wrong");
+    fail("the header claims " + bytes(claimed) + " of voxels, but the file holds " +
+         bytes(present) + " of them: it is truncated or its header is wrong");
   if (!compressed && present > claimed)
-    notes.push_back("the file holds " + bytes(present - claimed) + " more than its header says; they are ignored");
+    notes.push_back("the file holds " + bytes(present - claimed) +
+                    " more than its header says; they are ignored");
 }
 
 double sizeOfFile(const fs::path& path) {
@@ -143,7 +148,9 @@ VoxelType niftiType(int code) {
     case 1280:
       return VoxelType::Uint64;
     case 1:
-      fail("its voxels are single bits (NIfTI data type 1), which cannot be read: convert them to bytes");
+      fail(
+          "its voxels are single bits (NIfTI data type 1), which cannot be read: convert them to "
+          "bytes");
     default:
       fail("its voxels are no whole or real numbers (NIfTI data type " + std::to_string(code) +
            "): colours and complex numbers are no labels");
@@ -170,7 +177,8 @@ size_t bytesOf(VoxelType type) {
 /// Whether the axes are at right angles, as ITK wants them.
 bool isSheared(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>().colwise().normalized();
-  return !((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().array() < 1e-6).all();  // true for NaN
+  return !((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().array() < 1e-6)
+              .all();  // true for NaN
 }
 
 /// How much a unit of the head is in millimetres.
@@ -182,14 +190,16 @@ double niftiUnit(const Fields& f, bool second) {
 /// R. W. Cox et al., NIfTI-1 and NIfTI-2 data formats: methods 3 (sform), 2 (qform) and 1.
 Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::string>& notes) {
   const auto real = [&](size_t one, size_t two, size_t index) {
-    return second ? f.get<double>(two + 8 * index) : static_cast<double>(f.get<float>(one + 4 * index));
+    return second ? f.get<double>(two + 8 * index)
+                  : static_cast<double>(f.get<float>(one + 4 * index));
   };
   const int qform = second ? f.get<std::int32_t>(344) : f.get<std::int16_t>(252);
   const int sform = second ? f.get<std::int32_t>(348) : f.get<std::int16_t>(254);
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   if (sform > 0) {
     for (size_t i = 0; i < 12; ++i)
-      matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = real(280, 400, i);
+      matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) =
+          real(280, 400, i);
   } else {
     Vector3 spacing;
     for (size_t i = 0; i < 3; ++i) spacing[static_cast<Eigen::Index>(i)] = real(76, 104, i + 1);
@@ -201,7 +211,9 @@ Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::strin
       if (real(76, 104, 0) < 0) matrix.col(2) *= -1;
       for (size_t i = 0; i < 3; ++i) matrix(static_cast<Eigen::Index>(i), 3) = real(268, 376, i);
     } else {
-      notes.emplace_back("the file does not say where it lies: its axes are taken for right, anterior and superior");
+      notes.emplace_back(
+          "the file does not say where it lies: its axes are taken for right, anterior and "
+          "superior");
     }
     for (int i = 0; i < 3; ++i) matrix.col(i) *= std::fabs(spacing[i]);
   }
@@ -212,16 +224,17 @@ Eigen::Matrix4d niftiMatrix(const Fields& f, bool second, std::vector<std::strin
 /// Whether the columns of the matrix are as long as the spacings that the head names besides.
 bool agreesWithPixdim(const Fields& f, bool second, const Eigen::Matrix4d& matrix) {
   for (size_t i = 0; i < 3; ++i) {
-    const double named = niftiUnit(f, second) *
-                         std::fabs(second ? f.get<double>(112 + 8 * i) : static_cast<double>(f.get<float>(80 + 4 * i)));
+    const double named =
+        niftiUnit(f, second) * std::fabs(second ? f.get<double>(112 + 8 * i)
+                                                : static_cast<double>(f.get<float>(80 + 4 * i)));
     const double length = matrix.col(static_cast<Eigen::Index>(i)).head<3>().norm();
     if (!(std::fabs(named - length) <= 1e-5 * length)) return false;
   }
   return true;
 }
 
-/// The file of the same name without ".gz" beside a packed one, which ITK reads in its place; empty where there is
-/// none.
+/// The file of the same name without ".gz" beside a packed one, which ITK reads in its place; empty
+/// where there is none.
 std::string unpackedTwin(const std::string& name) {
   const fs::path path = fs::u8path(name);
   if (path.extension() != ".gz") return "";
@@ -253,8 +266,10 @@ VolumeHeader readNifti(const std::string& name) {
     fail("its header is broken: it claims " + std::to_string(dimensions) + " dimensions");
   for (size_t i = 1; i <= static_cast<size_t>(dimensions); ++i) header.size.push_back(dimension(i));
   header.size = checkedSize(std::move(header.size));
-  const double offset = second ? static_cast<double>(f.get<std::int64_t>(168)) : static_cast<double>(f.get<float>(108));
-  if (!(offset >= 0 && offset < 1e9)) fail("its header is broken: the voxels begin at byte " + std::to_string(offset));
+  const double offset = second ? static_cast<double>(f.get<std::int64_t>(168))
+                               : static_cast<double>(f.get<float>(108));
+  if (!(offset >= 0 && offset < 1e9))
+    fail("its header is broken: the voxels begin at byte " + std::to_string(offset));
   header.type = niftiType(f.get<std::int16_t>(second ? 12 : 70));
   const double claimed = product(header.size) * static_cast<double>(bytesOf(header.type));
   header.voxelsBegin = static_cast<std::int64_t>(offset);
@@ -270,12 +285,12 @@ VolumeHeader readNifti(const std::string& name) {
   if (slope != 0 && (slope != 1 || shift != 0)) {
     if (oddMatrix)
       fail(
-          "its matrix is sheared, or disagrees with its pixdim, and its voxels are scaled (scl_slope), which are not "
-          "read "
-          "together");
+          "its matrix is sheared, or disagrees with its pixdim, and its voxels are scaled "
+          "(scl_slope), which are not read together");
     if (!twin.empty())
       fail("beside it lies \"" + twin +
-           "\", which would be read in its place, since its voxels are scaled (scl_slope): move one of the two");
+           "\", which would be read in its place, since its voxels are scaled (scl_slope): move "
+           "one of the two");
     header.unusual = real;
     if (real) {
       header.slope = slope;
@@ -290,11 +305,12 @@ VolumeHeader readNifti(const std::string& name) {
     compare(claimed, onDisk, true, header.notes);
     std::vector<unsigned char> buffer(1 << 17);
     double present = static_cast<double>(got);
-    for (size_t more = 1; more > 0 && present < offset + claimed; present += static_cast<double>(more))
+    for (size_t more = 1; more > 0 && present < offset + claimed;
+         present += static_cast<double>(more))
       more = file.read(buffer.data(), buffer.size());
     if (present < offset + claimed)
-      fail("it is truncated: " + bytes(present) + " can be unpacked of the " + bytes(offset + claimed) +
-           " that its header claims");
+      fail("it is truncated: " + bytes(present) + " can be unpacked of the " +
+           bytes(offset + claimed) + " that its header claims");
   }
   return header;
 }
@@ -353,12 +369,13 @@ TextHead readText(const std::string& name, char separator, const std::string& la
   return head;
 }
 
-void compareWithData(VolumeHeader& header, const TextHead& head, const std::string& name, const std::string& dataFile,
-                     double voxelBytes, bool compressed, bool text) {
+void compareWithData(VolumeHeader& header, const TextHead& head, const std::string& name,
+                     const std::string& dataFile, double voxelBytes, bool compressed, bool text) {
   const bool inside = dataFile.empty();
   if (!inside && (dataFile.find('%') != std::string::npos || lower(dataFile).rfind("list", 0) == 0))
     fail("its voxels are spread over several files, which is not read: convert it to one file");
-  const fs::path data = inside ? fs::u8path(name) : fs::u8path(name).parent_path() / fs::u8path(dataFile);
+  const fs::path data =
+      inside ? fs::u8path(name) : fs::u8path(name).parent_path() / fs::u8path(dataFile);
   double present = sizeOfFile(data);
   if (inside) present -= head.end;
   // A number as text takes two characters at least.
@@ -380,20 +397,25 @@ VolumeHeader readMeta(const std::string& name) {
   header.size = checkedSize(size);
   const auto channels = head.numbers("elementnumberofchannels");
   if (!channels.empty() && channels[0] != 1)
-    fail("it holds " + std::to_string(channels[0]) + " numbers per voxel: colours and vectors are no labels");
-  static const std::map<std::string, double> types{{"met_uchar", 1},     {"met_char", 1},  {"met_ushort", 2},
-                                                   {"met_short", 2},     {"met_uint", 4},  {"met_int", 4},
-                                                   {"met_ulong", 4},     {"met_long", 4},  {"met_ulong_long", 8},
-                                                   {"met_long_long", 8}, {"met_float", 4}, {"met_double", 8}};
+    fail("it holds " + std::to_string(channels[0]) +
+         " numbers per voxel: colours and vectors are no labels");
+  static const std::map<std::string, double> types{
+      {"met_uchar", 1},      {"met_char", 1},      {"met_ushort", 2}, {"met_short", 2},
+      {"met_uint", 4},       {"met_int", 4},       {"met_ulong", 4},  {"met_long", 4},
+      {"met_ulong_long", 8}, {"met_long_long", 8}, {"met_float", 4},  {"met_double", 8}};
   const auto type = types.find(lower(head.at("elementtype")));
-  if (type == types.end()) fail("its voxels are of the type \"" + head.at("elementtype") + "\", which is no label's");
+  if (type == types.end())
+    fail("its voxels are of the type \"" + head.at("elementtype") + "\", which is no label's");
   const std::string data = head.at("elementdatafile");
   const bool compressed = lower(head.at("compresseddata")) == "true";
   if (compressed) {  // ITK leaves out without a word what is not there
     const auto length = head.numbers("compresseddatasize");
-    if (length.size() != 1) fail("its header lacks CompressedDataSize, without which its voxels cannot be read");
-    if (lower(data) == "local" && sizeOfFile(fs::u8path(name)) - head.end < static_cast<double>(length[0]))
-      fail("it is truncated: its header claims " + bytes(static_cast<double>(length[0])) + " of compressed voxels");
+    if (length.size() != 1)
+      fail("its header lacks CompressedDataSize, without which its voxels cannot be read");
+    if (lower(data) == "local" &&
+        sizeOfFile(fs::u8path(name)) - head.end < static_cast<double>(length[0]))
+      fail("it is truncated: its header claims " + bytes(static_cast<double>(length[0])) +
+           " of compressed voxels");
   }
   compareWithData(header, head, name, lower(data) == "local" ? "" : data, type->second, compressed,
                   lower(head.at("binarydata")) == "false");
@@ -408,9 +430,9 @@ double nrrdBytes(const std::string& type) {
     if (word != "signed" && word != "unsigned" && (word != "int" || name.empty())) name += word;
   if (name.size() > 2 && name.substr(name.size() - 2) == "_t") name.resize(name.size() - 2);
   if (name[0] == 'u') name.erase(0, 1);
-  static const std::map<std::string, double> sizes{{"char", 1},  {"int8", 1},  {"short", 2},    {"int16", 2},
-                                                   {"int", 4},   {"int32", 4}, {"longlong", 8}, {"int64", 8},
-                                                   {"float", 4}, {"double", 8}};
+  static const std::map<std::string, double> sizes{
+      {"char", 1},  {"int8", 1},     {"short", 2}, {"int16", 2}, {"int", 4},
+      {"int32", 4}, {"longlong", 8}, {"int64", 8}, {"float", 4}, {"double", 8}};
   const auto found = sizes.find(name);
   return found == sizes.end() ? 0 : found->second;
 }
@@ -426,14 +448,15 @@ VolumeHeader readNrrd(const std::string& name) {
   std::istringstream text(head.at("kinds"));
   std::vector<std::string> kinds;
   for (std::string kind; text >> kind;) kinds.push_back(lower(kind));
-  // A list of volumes is phases, as 3D Slicer's sequences have it; its segmentations use the same for overlapping
-  // labels.
+  // A list of volumes is phases, as 3D Slicer's sequences have it; its segmentations use the same
+  // for overlapping labels.
   const auto isSpace = [](const std::string& kind) { return kind == "domain" || kind == "space"; };
   if (size.size() == 4 && kinds.size() == 4) {
     const bool first = !isSpace(kinds[0]), last = !first && !isSpace(kinds[3]);
     const std::string& kind = first ? kinds[0] : kinds[3];
     if ((first || last) && (kind != "list" || head.fields.count("segment0_id") != 0))
-      fail(kind == "time" ? "its axis of the kind \"time\" is not read: write \"list\" instead into its header (kinds)"
+      fail(kind == "time" ? "its axis of the kind \"time\" is not read: write \"list\" instead "
+                            "into its header (kinds)"
                           : "it holds several numbers per voxel, of the kind \"" + kind +
                                 "\": overlapping segments, colours and vectors are no labels");
     if (first) std::rotate(size.begin(), size.begin() + 1, size.end());
@@ -441,18 +464,21 @@ VolumeHeader readNrrd(const std::string& name) {
   }
   header.size = checkedSize(size);
   const double voxelBytes = nrrdBytes(lower(head.at("type")));
-  if (voxelBytes == 0) fail("its voxels are of the type \"" + head.at("type") + "\", which is no label's");
+  if (voxelBytes == 0)
+    fail("its voxels are of the type \"" + head.at("type") + "\", which is no label's");
   const std::string encoding = lower(head.at("encoding"));
   std::string data = head.at("data file");
   if (data.empty()) data = head.at("datafile");
-  compareWithData(header, head, name, data, voxelBytes,
-                  encoding == "gzip" || encoding == "gz" || encoding == "bzip2" || encoding == "bz2",
-                  encoding == "ascii" || encoding == "text" || encoding == "txt" || encoding == "hex");
+  compareWithData(
+      header, head, name, data, voxelBytes,
+      encoding == "gzip" || encoding == "gz" || encoding == "bzip2" || encoding == "bz2",
+      encoding == "ascii" || encoding == "text" || encoding == "txt" || encoding == "hex");
   return header;
 }
 
 bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 }  // namespace
@@ -472,7 +498,9 @@ VolumeHeader readVolumeHeader(const std::string& fileName) {
   else if (endsWith(name, ".mha") || endsWith(name, ".mhd"))
     header = readMeta(fileName);
   else
-    fail("its name ends in none of .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, the formats that are read");
+    fail(
+        "its name ends in none of .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, the formats that are "
+        "read");
   header.voxels = static_cast<std::int64_t>(product(header.size));
   if (header.toRas && !header.toRas->allFinite())
     fail("its place in space is not finite: its affine matrix holds NaN or infinite numbers");
@@ -488,11 +516,13 @@ std::vector<char> readNiftiVoxels(const std::string& fileName, const VolumeHeade
   constexpr size_t chunk = 1 << 24;
   for (size_t at = 0; at < voxels.size();) {
     const size_t wanted = std::min(chunk, voxels.size() - at);
-    if (file.read(reinterpret_cast<unsigned char*>(voxels.data()) + at, wanted) != wanted) fail("it is truncated");
+    if (file.read(reinterpret_cast<unsigned char*>(voxels.data()) + at, wanted) != wanted)
+      fail("it is truncated");
     at += wanted;
   }
   if (header.swapped)
-    for (auto voxel = voxels.begin(); voxel != voxels.end(); voxel += static_cast<std::ptrdiff_t>(size))
+    for (auto voxel = voxels.begin(); voxel != voxels.end();
+         voxel += static_cast<std::ptrdiff_t>(size))
       std::reverse(voxel, voxel + static_cast<std::ptrdiff_t>(size));
   return voxels;
 }

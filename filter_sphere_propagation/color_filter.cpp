@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // "Colour by spherical parameterisation": the same place has the same colour on every layer.
 
 #include <utility>
@@ -5,7 +6,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
-#include "vcg_ext/map/sphere_pattern.h"
+#include "vcg_ext/display/sphere_pattern.h"
 #include "vcg_ext/mesh/icosphere.h"
 
 namespace sphere_propagation {
@@ -18,7 +19,8 @@ struct PlacedLayer {
   host::Layer layer;
   MeshSurface mesh;
   Points positions;
-  /// The surface whose map this is; itself but for sphere layers, and none for a sphere whose surface is not seen.
+  /// The surface whose map this is; itself but for sphere layers, and none for a sphere whose
+  /// surface is not seen.
   const ClosedSurface* source = nullptr;
 };
 
@@ -26,43 +28,48 @@ class ColorFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
     return {
-        "Colour by spherical parameterisation", "compute_color_from_spherical_parameterisation_per_vertex",
-        "Draws a pattern of the unit sphere on the vertices of every visible layer that has a place on it: surfaces "
-        "with a map, their sphere layers, and landmark layers. <b>The same place has the same colour on every "
-        "layer</b>, so a look at several phases shows whether a map is right.<br><br>"
-        "<b>Checkerboard</b>: fields between meridians and parallels; the hue turns with the longitude, the north pole "
-        "is light and the south pole dark. <b>Latitude and longitude</b>: meridians and parallels as stripes on white, "
-        "the 0 meridian and the equator in black. <b>Direction</b>: hue and lightness alone. These need some ten "
-        "vertices per field; edges are blended over the distance of the vertices.<br>"
-        "<b>Area ratio</b>: share of the sphere / share of the surface. Light grey: 1, areas are preserved; red: too "
-        "much of the sphere; blue: too little. It is also stored as quality of vertices and faces, so that MeshLab's "
-        "colour ramps, histograms and selections work on it.<br><br>"
-        "Returned: <b>layers</b>: how many were coloured.<br><br>" +
+        "Colour by spherical parameterisation",
+        "compute_color_from_spherical_parameterisation_per_vertex",
+        "Draws a pattern of the unit sphere on the vertices of every visible layer that has a "
+        "place on it: surfaces with a map, their sphere layers, and landmark layers. <b>The same "
+        "place has the same colour on every layer</b>, so a look at several phases shows whether a "
+        "map is right.<br><br><b>Checkerboard</b>: fields between meridians and parallels; the hue "
+        "turns with the longitude, the north pole is light and the south pole dark. <b>Latitude "
+        "and longitude</b>: meridians and parallels as stripes on white, the 0 meridian and the "
+        "equator in black. <b>Direction</b>: hue and lightness alone. These need some ten vertices "
+        "per field; edges are blended over the distance of the vertices.<br><b>Area ratio</b>: "
+        "share of the sphere / share of the surface. Light grey: 1, areas are preserved; red: too "
+        "much of the sphere; blue: too little. It is also stored as quality of vertices and faces, "
+        "so that MeshLab's colour ramps, histograms and selections work on it.<br><br>Returned: "
+        "<b>layers</b>: how many were coloured.<br><br>" +
             paperReference() +
-            "Blended edges:<br><i>Inigo Quilez</i><br><b>\"Filtering the checkerboard pattern\"</b><br>2008.<br>"
-            "Colours of ratios:<br><i>Kenneth Moreland</i><br><b>\"Diverging color maps for scientific "
+            "Blended edges:<br><i>Inigo Quilez</i><br><b>\"Filtering the checkerboard "
+            "pattern\"</b><br>2008.<br>Colours of ratios:<br><i>Kenneth "
+            "Moreland</i><br><b>\"Diverging color maps for scientific "
             "visualization\"</b><br>International Symposium on Visual Computing, 2009.",
         host::Menu::VertexColoring | host::Menu::Quality, host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     return {{"pattern", "Pattern", "What is drawn on the sphere; see above.",
-             host::Parameter::Choice{{"Checkerboard", "Latitude and longitude", "Direction", "Area ratio"}, 0}},
+             host::Parameter::Choice{
+                 {"Checkerboard", "Latitude and longitude", "Direction", "Area ratio"}, 0}},
             {"cells", "Cells",
-             "Fields from pole to pole, 2 to " + std::to_string(mostPatternCells) +
-                 "; half as many again round the equator. For the checkerboard, and latitude and longitude.",
+             "Fields from pole to pole, 2 to " + std::to_string(maxPatternCells) +
+                 "; half as many again round the equator. For the checkerboard, and latitude and "
+                 "longitude.",
              SpherePatternParameters{}.cells},
             {"area_ratio_limit", "Area ratio at full colour",
-             "Greater than 1. With 2, the colours of the area ratio end at twice (red) and half (blue) of the area's "
-             "due share.",
+             "Greater than 1. With 2, the colours of the area ratio end at twice (red) and half "
+             "(blue) of the area's due share.",
              2.0},
             {"store_area_ratio", "Store area ratio as quality",
-             "Store the area ratio as quality of vertices and faces with every pattern, in place of what quality the "
-             "layers have. The pattern \"Area ratio\" always does.",
+             "Store the area ratio as quality of vertices and faces with every pattern, in place "
+             "of what quality the layers have. The pattern \"Area ratio\" always does.",
              false},
             {"landmark_layers", "Landmark layers too",
-             "Colour landmark layers as well, in place of the colours of their landmarks' numbers, which \"Remesh by "
-             "icosphere\" brings back.",
+             "Colour landmark layers as well, in place of the colours of their landmarks' numbers, "
+             "which \"Remesh by icosphere\" brings back.",
              true}};
   }
 
@@ -83,19 +90,23 @@ class ColorFilter : public host::Filter {
         task.changes.setQuality(layer, mesh, ratios, areaRatios(*source, positions));
         task.log(layer.label() + ": area ratio " + shortNumber(ratios.minCoeff()) + " to " +
                  shortNumber(ratios.maxCoeff()));
-        if (pattern == areaRatioPattern) task.changes.setColors(layer, mesh, areaRatioColors(ratios, limit));
+        if (pattern == areaRatioPattern)
+          task.changes.setColors(layer, mesh, areaRatioColors(ratios, limit));
       }
       if (pattern != areaRatioPattern)
-        task.changes.setColors(layer, mesh,
-                               sphereColors(positions, sphereSpacing(positions, mesh.surface.faces()), parameters));
+        task.changes.setColors(
+            layer, mesh,
+            sphereColors(positions, sphereSpacing(positions, mesh.surface.faces()), parameters));
       if (source == nullptr && storeRatio)
-        task.log(layer.label() + ": the surface of this sphere is not visible, so it has no area ratio");
+        task.log(layer.label() +
+                 ": the surface of this sphere is not visible, so it has no area ratio");
       if (source != nullptr || pattern != areaRatioPattern) ++colored;
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
     if (colored == 0)
       throw MapError(0, -1,
-                     "The visible sphere layers alone have no area ratio: show the surfaces that they were made of.");
+                     "The visible sphere layers alone have no area ratio: show the surfaces that "
+                     "they were made of.");
     task.log(counted(colored, "layer", "layers") + " coloured");
     return {{"layers", colored}};
   }
@@ -121,17 +132,19 @@ class ColorFilter : public host::Filter {
       }
     if (found.empty())
       throw MapError(0, -1,
-                     "No visible layer has places on the sphere to be coloured by. Run \"Spherical parameterise root\" "
-                     "on a surface first, and \"Propagate parameterisation to layers\" for the others.");
+                     "No visible layer has places on the sphere to be coloured by. Run \"Spherical "
+                     "parameterise root\" on a surface first, and \"Propagate parameterisation to "
+                     "layers\" for the others.");
     for (size_t i = 0; i < found.size(); ++i)
-      found[i].source = i < surfaces || i >= spheres ? &found[i].mesh.surface : sourceOf(found[i], found, surfaces);
+      found[i].source = i < surfaces || i >= spheres ? &found[i].mesh.surface
+                                                     : sourceOf(found[i], found, surfaces);
     return found;
   }
 
-  /// The surface whose map a sphere layer shows: same faces, same positions (texture coordinates and the host's
-  /// precision round them).
-  static const ClosedSurface* sourceOf(const PlacedLayer& sphere, const std::vector<PlacedLayer>& layers,
-                                       size_t surfaces) {
+  /// The surface whose map a sphere layer shows: same faces, same positions (texture coordinates
+  /// and the host's precision round them).
+  static const ClosedSurface* sourceOf(const PlacedLayer& sphere,
+                                       const std::vector<PlacedLayer>& layers, size_t surfaces) {
     constexpr double rounding = 1e-5;
     for (size_t i = 0; i < surfaces; ++i)
       if (layers[i].positions.rows() == sphere.positions.rows() &&

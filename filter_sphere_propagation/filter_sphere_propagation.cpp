@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/filter_sphere_propagation.h"
 
 FilterSpherePropagation::FilterSpherePropagation()

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The plugin: MeshLab's face of vcg_ext. One file per filter; see filters.h.
 

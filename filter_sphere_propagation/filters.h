@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The filters of the plugin, in the order in which a user needs them.
 

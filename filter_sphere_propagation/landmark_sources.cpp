@@ -1,5 +1,6 @@
-// Landmarks are points of their surface, and two surfaces hardly share a thousand points: the test fails on the first
-// few landmarks wherever it fails.
+// SPDX-License-Identifier: GPL-3.0-only
+// Landmarks are points of their surface, and two surfaces hardly share a thousand points: the test
+// fails on the first few landmarks wherever it fails.
 
 #include "filter_sphere_propagation/landmark_sources.h"
 
@@ -25,7 +26,8 @@ std::optional<MeshSurface> surfaceIfSound(const host::Layer& layer) {
 }
 
 bool liesOn(const Points& landmarks, const SurfaceLocator& surface, double tolerance) {
-  const Eigen::Index count = landmarks.rows(), stride = 7;  // neighbours have neighbouring numbers: begin all over
+  const Eigen::Index count = landmarks.rows(),
+                     stride = 7;  // neighbours have neighbouring numbers: begin all over
   for (Eigen::Index start = 0; start < std::min(stride, count); ++start)
     for (Eigen::Index j = start; j < count; j += stride)
       if (!(surface.closest(landmarks.row(j).transpose()).distance <= tolerance)) return false;
@@ -44,12 +46,14 @@ std::vector<std::optional<size_t>> landmarkSources(const std::vector<host::Layer
   };
   for (size_t i = 0; i < landmarks.size(); ++i)
     for (size_t k = 0; k < surfaces.size() && !sources[i]; ++k)
-      if (!taken[k] && landmarks[i].plainLabel() == surfaces[k].derivedLabel("landmarks")) assign(i, k);
+      if (!taken[k] && landmarks[i].plainLabel() == surfaces[k].derivedLabel("landmarks"))
+        assign(i, k);
 
   std::vector<std::pair<size_t, Points>> nameless;
   for (size_t i = 0; i < landmarks.size(); ++i)
     if (!sources[i])
-      if (const auto mesh = surfaceIfSound(landmarks[i])) nameless.emplace_back(i, mesh->surface.vertices());
+      if (const auto mesh = surfaceIfSound(landmarks[i]))
+        nameless.emplace_back(i, mesh->surface.vertices());
   if (nameless.empty()) return sources;
   std::map<size_t, size_t> again;  // layers on a surface that another one came from
   for (size_t k = 0; k < surfaces.size(); ++k) {

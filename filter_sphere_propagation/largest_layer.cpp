@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/largest_layer.h"
 
 #include "filter_sphere_propagation/reporting.h"
@@ -30,8 +31,9 @@ bool LargestLayer::beats(int layerId) const {
 std::string LargestLayer::help() const {
   if (entries_.size() < 2 || entries_[largest_].volume <= 0) return "";
   const Entry& entry = entries_[largest_];
-  return "The layer of largest volume is " + std::to_string(entry.id) + ", \"" + entry.label + "\" (" +
-         shortNumber(entry.volume) + "): of a heart cycle that is end-diastole, a good root.";
+  return "The layer of largest volume is " + std::to_string(entry.id) + ", \"" + entry.label +
+         "\" (" + shortNumber(entry.volume) +
+         "): of a heart cycle that is end-diastole, a good root.";
 }
 
 std::string LargestLayer::note(int layerId) const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/map_roots.h"
 
 #include <algorithm>
@@ -15,7 +16,8 @@ using Labels = std::vector<std::string>;
 std::string listed(const Labels& labels) {
   constexpr size_t most = 3;
   std::string text;
-  for (size_t i = 0; i < std::min(labels.size(), most); ++i) text += (i > 0 ? ", \"" : "\"") + labels[i] + "\"";
+  for (size_t i = 0; i < std::min(labels.size(), most); ++i)
+    text += (i > 0 ? ", \"" : "\"") + labels[i] + "\"";
   if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
   return text;
 }
@@ -33,7 +35,8 @@ Roots rootsOf(const std::vector<host::Layer>& layers) {
       roots.unknown.push_back(layer.label());
       continue;
     }
-    auto group = std::find_if(roots.known.begin(), roots.known.end(), [&](const auto& g) { return g.first == *root; });
+    auto group = std::find_if(roots.known.begin(), roots.known.end(),
+                              [&](const auto& g) { return g.first == *root; });
     if (group == roots.known.end()) group = roots.known.insert(group, {*root, {}});
     group->second.push_back(layer.label());
   }
@@ -45,9 +48,11 @@ std::string inBrackets(const Roots& roots) {
   constexpr size_t most = 4;
   std::string text;
   for (size_t i = 0; i < std::min(roots.known.size(), most); ++i)
-    text += (i > 0 ? "; " : "") + listed(roots.known[i].second) + (i > 0 ? " from another" : " from one");
+    text += (i > 0 ? "; " : "") + listed(roots.known[i].second) +
+            (i > 0 ? " from another" : " from one");
   if (roots.known.size() > most)
-    text += "; and " + counted(static_cast<long>(roots.known.size() - most), "more root", "more roots");
+    text +=
+        "; and " + counted(static_cast<long>(roots.known.size() - most), "more root", "more roots");
   return "(" + text + ")";
 }
 
@@ -63,27 +68,30 @@ std::map<std::string, int> landmarkMarks(const host::Layer& surface) {
 void logSeveralRoots(const host::Task& task, const std::vector<host::Layer>& surfaces) {
   const Roots roots = rootsOf(surfaces);
   if (roots.known.size() > 1)
-    task.log("Warning: the maps come from different roots " + inBrackets(roots) +
-             ", so that a place of the sphere, as a landmark, is not the same place on all of them. Run \"Propagate "
-             "parameterisation to layers\" again, or hide the layers that are not meant.");
+    task.log(
+        "Warning: the maps come from different roots " + inBrackets(roots) +
+        ", so that a place of the sphere, as a landmark, is not the same place on all of them. Run "
+        "\"Propagate parameterisation to layers\" again, or hide the layers that are not meant.");
   if (!roots.known.empty() && !roots.unknown.empty())
-    task.log("Note: which root the maps of " + listed(roots.unknown) +
-             " came from is not known, since files and duplicated layers do not keep it. Where they do not belong to "
-             "the others, run "
-             "\"Propagate parameterisation to layers\" again.");
+    task.log(
+        "Note: which root the maps of " + listed(roots.unknown) +
+        " came from is not known, since files and duplicated layers do not keep it. Where they do "
+        "not belong to the others, run \"Propagate parameterisation to layers\" again.");
 }
 
 void requireOneRoot(const std::vector<host::Layer>& landmarks) {
   const Roots roots = rootsOf(landmarks);
   if (roots.known.size() > 1)
     throw ParameterError(
-        "The landmarks do not correspond, since they were sampled from maps of different roots " + inBrackets(roots) +
-        ". Run \"Propagate parameterisation to layers\" and \"Remesh by icosphere\" again, or hide the "
-        "layers that do not belong to the model.");
+        "The landmarks do not correspond, since they were sampled from maps of different roots " +
+        inBrackets(roots) +
+        ". Run \"Propagate parameterisation to layers\" and \"Remesh by icosphere\" again, or hide "
+        "the layers that do not belong to the model.");
 }
 
 void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& landmarks,
-                       const std::vector<host::Layer>& surfaces, const std::vector<std::optional<size_t>>& sources) {
+                       const std::vector<host::Layer>& surfaces,
+                       const std::vector<std::optional<size_t>>& sources) {
   Labels gone, mapless, remapped;
   for (size_t i = 0; i < landmarks.size(); ++i) {
     if (!sources[i]) {
@@ -98,14 +106,13 @@ void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& l
       remapped.push_back(landmarks[i].label());
   }
   if (!gone.empty() && gone.size() < landmarks.size())
-    task.log(
-        "Warning: the surfaces of " + listed(gone) +
-        " are not in the project. Where these shapes are not meant to be in the model, hide or delete the layers.");
+    task.log("Warning: the surfaces of " + listed(gone) +
+             " are not in the project. Where these shapes are not meant to be in the model, hide "
+             "or delete the layers.");
   if (!mapless.empty())
-    task.log(
-        "Warning: the surfaces of " + listed(mapless) +
-        " have no map (any more), so that \"Remesh by icosphere\" does not make these layers again. Where they are "
-        "left over, hide or delete them.");
+    task.log("Warning: the surfaces of " + listed(mapless) +
+             " have no map (any more), so that \"Remesh by icosphere\" does not make these layers "
+             "again. Where they are left over, hide or delete them.");
   if (!remapped.empty())
     task.log("Warning: the maps of the surfaces of " + listed(remapped) +
              " have changed since these landmarks were made. Run \"Remesh by icosphere\" again.");

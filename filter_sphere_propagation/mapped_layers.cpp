@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/mapped_layers.h"
 
 #include <utility>
@@ -46,12 +47,14 @@ std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* p
   const std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Surface);
   const auto read = [&](int i) { return readMap(layers[static_cast<size_t>(i)]); };
   ThreadPool alone(1);
-  std::vector<Reading> readings = (pool ? *pool : alone).makeEach(static_cast<int>(layers.size()), read);
+  std::vector<Reading> readings =
+      (pool ? *pool : alone).makeEach(static_cast<int>(layers.size()), read);
   std::vector<MappedLayer> found;
   for (size_t i = 0; i < layers.size(); ++i) {
     Reading& reading = readings[i];
     if (!reading.note.empty()) task.log(reading.note);
-    if (reading.map) found.push_back({layers[i], std::move(*reading.mesh), std::move(*reading.map)});
+    if (reading.map)
+      found.push_back({layers[i], std::move(*reading.mesh), std::move(*reading.map)});
   }
   std::vector<host::Layer> mapped;
   for (const MappedLayer& layer : found) mapped.push_back(layer.layer);
@@ -65,8 +68,8 @@ std::vector<MappedLayer> mappedLayers(const host::Task& task, ThreadPool* pool) 
   if (found.empty())
     throw MapError(
         0, -1,
-        "No visible surface layer has a map to the sphere. Run \"Spherical parameterise root\" on one first, and "
-        "\"Propagate parameterisation to layers\" for the others.");
+        "No visible surface layer has a map to the sphere. Run \"Spherical parameterise root\" on "
+        "one first, and \"Propagate parameterisation to layers\" for the others.");
   return found;
 }
 

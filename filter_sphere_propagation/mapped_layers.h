@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The surfaces that have a map: what the filters behind the propagation work on.
 
@@ -9,9 +10,9 @@
 
 namespace sphere_propagation {
 
-/// The surface of a layer that stores positions on the sphere. Empty, with a line in the log, where it stores nothing,
-/// or texture coordinates only and is no closed surface: those are ordinary ones. Throws SurfaceError where it has the
-/// attribute.
+/// The surface of a layer that stores positions on the sphere. Empty, with a line in the log, where
+/// it stores nothing, or texture coordinates only and is no closed surface: those are ordinary
+/// ones. Throws SurfaceError where it has the attribute.
 std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer);
 
 struct MappedLayer {
@@ -20,9 +21,9 @@ struct MappedLayer {
   SphereMap map;
 };
 
-/// All visible surfaces with a valid map, in layer order; those that carry something else are named in the log, and so
-/// are maps that come from different roots.
-/// pool: who reads them; nullptr: the calling thread alone.
+/// All visible surfaces with a valid map, in layer order; those that carry something else are named
+/// in the log, and so are maps that come from different roots. pool: who reads them; nullptr: the
+/// calling thread alone.
 std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* pool = nullptr);
 
 /// All visible surfaces with a valid map, in layer order; the others are named in the log.

@@ -1,4 +1,6 @@
-// "Propagate parameterisation to layers": the root's map is handed along a tree to all other surfaces.
+// SPDX-License-Identifier: GPL-3.0-only
+// "Propagate parameterisation to layers": the root's map is handed along a tree to all other
+// surfaces.
 
 #include <algorithm>
 #include <cctype>
@@ -8,12 +10,12 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
-#include "vcg_ext/map/certificate.h"
 #include "vcg_ext/mesh/surface_geometry.h"
-#include "vcg_ext/propagation/mirroring.h"
-#include "vcg_ext/propagation/motion_propagation.h"
+#include "vcg_ext/propagation/motion/motion_propagation.h"
 #include "vcg_ext/propagation/propagation.h"
-#include "vcg_ext/propagation/similarity_tree.h"
+#include "vcg_ext/sequence/mirroring.h"
+#include "vcg_ext/sequence/similarity_tree.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
 namespace {
@@ -27,7 +29,8 @@ enum class Order { Time, CyclicTime, SimilarityTree, Star, Given };
 std::vector<int> parseNumbers(const std::string& text) {
   std::string spaced = text;
   std::replace_if(
-      spaced.begin(), spaced.end(), [](unsigned char c) { return c == ',' || c == ';' || std::isspace(c) != 0; }, ' ');
+      spaced.begin(), spaced.end(),
+      [](unsigned char c) { return c == ',' || c == ';' || std::isspace(c) != 0; }, ' ');
   std::istringstream stream(spaced);
   std::vector<int> numbers;
   for (std::string word; stream >> word;) {
@@ -39,7 +42,8 @@ std::vector<int> parseNumbers(const std::string& text) {
       used = 0;
     }
     if (used != word.size())
-      throw ParameterError("parents: \"" + word + "\" is no layer number. Give one number per layer, -1 for the root.");
+      throw ParameterError("parents: \"" + word +
+                           "\" is no layer number. Give one number per layer, -1 for the root.");
     numbers.push_back(number);
   }
   return numbers;
@@ -62,15 +66,17 @@ struct Sequence {
 PropagationTree givenTree(const Sequence& sequence, const std::string& text) {
   std::vector<int> parents = parseNumbers(text);
   if (parents.size() != sequence.layers.size())
-    throw ParameterError("parents: " + counted(static_cast<long>(parents.size()), "number", "numbers") + " for " +
-                         counted(static_cast<long>(sequence.layers.size()), "surface layer", "surface layers") +
-                         ". Give one layer number per visible surface layer, in layer order, -1 for the root.");
+    throw ParameterError(
+        "parents: " + counted(static_cast<long>(parents.size()), "number", "numbers") + " for " +
+        counted(static_cast<long>(sequence.layers.size()), "surface layer", "surface layers") +
+        ". Give one layer number per visible surface layer, in layer order, -1 for the root.");
   for (size_t i = 0; i < parents.size(); ++i) {
     if (parents[i] < 0) continue;
     const int index = sequence.indexOf(parents[i]);
     if (index < 0)
-      throw ParameterError("parents: layer \"" + sequence.layers[i].label() + "\" is to get its map from layer " +
-                           std::to_string(parents[i]) + ", which is no visible surface layer.");
+      throw ParameterError("parents: layer \"" + sequence.layers[i].label() +
+                           "\" is to get its map from layer " + std::to_string(parents[i]) +
+                           ", which is no visible surface layer.");
     parents[i] = index;
   }
   return givenOrder(parents);
@@ -81,37 +87,32 @@ class PropagationFilter : public host::Filter {
   host::FilterDescription describe() const override {
     return {
         "Propagate parameterisation to layers", "transfer_spherical_parameterisation_to_layers",
-        "Hands the root's map to the unit sphere on to all other visible surface layers, along a tree of layers, so "
-        "that the same point of the sphere means the same place on every layer. Layer order is time order. Layers of "
-        "landmarks, of spheres and of shape models are told apart by what they are and left alone; a layer's matrix "
-        "counts. "
-        "Every map that is stored is <b>certified valid</b>.<br><br>"
-        "<b>Robust</b>: the root's surface is moved onto each layer by a smooth, low-rank motion model that is fitted "
-        "along "
-        "the tree; each vertex takes the sphere position at the closest point of the moved root whose normal agrees, "
-        "and "
-        "faces that flip are untangled locally. How much tissue tends to travel, stretch and turn is learnt from the "
-        "sequence where it has twelve layers or more. In Cyclic time each layer is reached both ways round, and the "
-        "motions are averaged. All layers must share one unit; one that lies in another pose is "
-        "laid on its parent for the fit (the log says so). A layer "
-        "that the "
-        "fit loses gets the map of its parent instead (the log says so), "
-        "brought onto it by an affine alignment.<br>"
-        "<b>As published</b>: the steps of the paper (scaling along principal axes, iterative closest points, mutually "
-        "nearest vertices, linear system, smoothing), and then the repair of what is still flipped.<br><br>"
-        "Returned, one entry per layer in layer order, root included: <b>parent</b>: layer number that the map "
-        "came from, -1 for the root (of the tree, also where both ways round were averaged); <b>residual_mean</b>, "
-        "<b>residual_p95</b>: distance of the layer's vertices from "
-        "the "
-        "surface that was brought onto it (Robust: the moved root; As published: the parent), in the mesh's unit; "
-        "<b>repaired_faces</b>: faces that were flipped before the "
-        "repair; <b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of Robust lost it "
-        "and "
-        "alignment with its parent gave it, 2 where that failed as well and it came as published; "
-        "<b>mirrored</b>: 1 where a layer was found to be a mirror image of the others and was reflected, else 0; "
-        "<b>branch_distance</b>, <b>branch_angle</b>: in Cyclic time, how far the maps of the two branches are apart "
-        "where they "
-        "meet, on average, on the surface in the mesh's unit and on the sphere in degrees; " +
+        "Hands the root's map to the unit sphere on to all other visible surface layers, along a "
+        "tree of layers, so that the same point of the sphere means the same place on every layer. "
+        "Layer order is time order. Layers of landmarks, of spheres and of shape models are told "
+        "apart by what they are and left alone; a layer's matrix counts. Every map that is stored "
+        "is <b>certified valid</b>.<br><br><b>Robust</b>: the root's surface is moved onto each "
+        "layer by a smooth, low-rank motion model that is fitted along the tree; each vertex takes "
+        "the sphere position at the closest point of the moved root whose normal agrees, and faces "
+        "that flip are untangled locally. How much tissue tends to travel, stretch and turn is "
+        "learnt from the sequence where it has twelve layers or more. In Cyclic time each layer is "
+        "reached both ways round, and the motions are averaged. All layers must share one unit; "
+        "one that lies in another pose is laid on its parent for the fit (the log says so). A "
+        "layer that the fit loses gets the map of its parent instead (the log says so), brought "
+        "onto it by an affine alignment.<br><b>As published</b>: the steps of the paper (scaling "
+        "along principal axes, iterative closest points, mutually nearest vertices, linear system, "
+        "smoothing), and then the repair of what is still flipped.<br><br>Returned, one entry per "
+        "layer in layer order, root included: <b>parent</b>: layer number that the map came from, "
+        "-1 for the root (of the tree, also where both ways round were averaged); "
+        "<b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from the "
+        "surface that was brought onto it (Robust: the moved root; As published: the parent), in "
+        "the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the repair; "
+        "<b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of "
+        "Robust lost it and alignment with its parent gave it, 2 where that failed as well and it "
+        "came as published; <b>mirrored</b>: 1 where a layer was found to be a mirror image of the "
+        "others and was reflected, else 0; <b>branch_distance</b>, <b>branch_angle</b>: in Cyclic "
+        "time, how far the maps of the two branches are apart where they meet, on average, on the "
+        "surface in the mesh's unit and on the sphere in degrees; " +
             mapFiguresInfo() + "<br><br>" + paperReference(),
         host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
   }
@@ -121,54 +122,56 @@ class PropagationFilter : public host::Filter {
     const LargestLayer largest(layers.visible(host::LayerKind::Surface));
     const int rootId = defaultRootId(layers);
     return {
-        host::Parameter{
-            "root_layer", "Root layer",
-            "The layer whose map is handed on. It must have one: \"Spherical parameterise root\". " + largest.help(),
-            host::Parameter::LayerId{rootId}}
+        host::Parameter{"root_layer", "Root layer",
+                        "The layer whose map is handed on. It must have one: \"Spherical "
+                        "parameterise root\". " +
+                            largest.help(),
+                        host::Parameter::LayerId{rootId}}
             .withNote(largest.note(rootId)),
         {"method", "Method", "How a map gets from one layer to the next; see above.",
          host::Parameter::Choice{{"Robust", "As published"}, 0}},
         {"order", "Order",
-         "Which layer hands its map to which. Time: from the root to its neighbours in layer order, both ways (the "
-         "paper's). Cyclic time: both ways round a cycle, the last layer being next to the first. Similarity tree: the "
-         "tree "
-         "that links shapes most alike, for layers in no order. Star: from the root to each. Given: as in "
-         "\"Parents\".",
+         "Which layer hands its map to which. Time: from the root to its neighbours in layer "
+         "order, both ways (the paper's). Cyclic time: both ways round a cycle, the last layer "
+         "being next to the first. Similarity tree: the tree that links shapes most alike, for "
+         "layers in no order. Star: from the root to each. Given: as in \"Parents\".",
          host::Parameter::Choice{{"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}},
         {"parents", "Parents",
-         "For the order Given: one layer number (as the layer dialog shows it) per visible surface layer, in layer "
-         "order: "
-         "the layer that its map comes from, -1 for the root. For example \"-1, 0, 1, 1\".",
+         "For the order Given: one layer number (as the layer dialog shows it) per visible surface "
+         "layer, in layer order: the layer that its map comes from, -1 for the root. For example "
+         "\"-1, 0, 1, 1\".",
          std::string()},
         {"area_restoration", "Area restoration",
-         "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps what was propagated: "
-         "tissue that stretches keeps its share of the sphere.",
+         "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps "
+         "what was propagated: tissue that stretches keeps its share of the sphere.",
          0.0},
         {"residual_quality", "Store residual as quality",
-         "Store how far each vertex lies from what was brought onto its layer as its quality, in place of what quality "
-         "the layer had; \"Colorize by vertex quality\" shows it.",
+         "Store how far each vertex lies from what was brought onto its layer as its quality, in "
+         "place of what quality the layer had; \"Colorize by vertex quality\" shows it.",
          false},
         {"mirror_layers", "Mirror layers",
-         "Reflect a layer that is a mirror image of the others, a left bone among right ones, before its map is made: "
-         "<b>this changes its surface</b>. It is reflected across the plane through its centroid normal to x, its "
-         "faces are turned so that they look outward. Without, such a layer is named in the log only.",
+         "Reflect a layer that is a mirror image of the others, a left bone among right ones, "
+         "before its map is made: <b>this changes its surface</b>. It is reflected across the "
+         "plane through its centroid normal to x, its faces are turned so that they look outward. "
+         "Without, such a layer is named in the log only.",
          false},
         host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
-                        "As published: scale each layer to the extents of its parent along the principal axes before "
-                        "corresponding vertices are looked for.",
+                        "As published: scale each layer to the extents of its parent along the "
+                        "principal axes before corresponding vertices are looked for.",
                         published.anisotropicScaling}
             .asAdvanced(),
-        host::Parameter{"icp_iterations", "ICP iterations", "As published: iterations of the rigid alignment, at most.",
+        host::Parameter{"icp_iterations", "ICP iterations",
+                        "As published: iterations of the rigid alignment, at most.",
                         published.icpIterations}
             .asAdvanced(),
         host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
-                        "As published: sweeps that smooth the map over the sphere.", published.smoothingSweeps}
+                        "As published: sweeps that smooth the map over the sphere.",
+                        published.smoothingSweeps}
             .asAdvanced(),
-        host::Parameter{
-            "threads", "Threads",
-            "How many threads work on layers that do not need each other; 0: as many as the machine runs at "
-            "once. The maps are the same with any number.",
-            PropagationParameters{}.threads}
+        host::Parameter{"threads", "Threads",
+                        "How many threads work on layers that do not need each other; 0: as many "
+                        "as the machine runs at once. The maps are the same with any number.",
+                        PropagationParameters{}.threads}
             .asAdvanced()};
   }
 
@@ -184,14 +187,16 @@ class PropagationFilter : public host::Filter {
     if (const std::string note = LargestLayer(sequence.layers).note(rootLayer.id()); !note.empty())
       task.log("Note: the root is layer \"" + rootLayer.label() + "\"; " + note +
                ". For a heart cycle, end-diastole is the better root.");
-    if (static_cast<Order>(task.values.choice("order")) != Order::Given && !task.values.text("parents").empty())
+    if (static_cast<Order>(task.values.choice("order")) != Order::Given &&
+        !task.values.text("parents").empty())
       task.log("Warning: parents is not looked at, since it belongs to the order Given.");
     PropagationTree tree = makeTree(task, sequence, surfaces);
     Eigen::VectorXd mirrored = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(surfaces.size()));
     if (task.values.flag("mirror_layers")) mirrorLayers(task, sequence, surfaces, tree, mirrored);
 
     PropagationParameters parameters;
-    parameters.method = task.values.choice("method") == 1 ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+    parameters.method = task.values.choice("method") == 1 ? PropagationMethod::AsPublished
+                                                          : PropagationMethod::Robust;
     parameters.areaRestoration = task.values.real("area_restoration");
     parameters.published.anisotropicScaling = task.values.flag("anisotropic_scaling");
     parameters.published.icpIterations = task.values.integer("icp_iterations");
@@ -200,25 +205,28 @@ class PropagationFilter : public host::Filter {
     const auto order = static_cast<Order>(task.values.choice("order"));
     if (order == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
     logShorterTree(task, sequence, tree);
-    const Propagation propagated = propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+    const Propagation propagated =
+        propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
     if (propagated.learnt)
       task.log(
-          "Learnt from the sequence, variances from layer to layer in units of half the root's mean vertex area: "
-          "translation " +
-          shortNumber(propagated.learnt->translation) + ", strain " + shortNumber(propagated.learnt->strain) +
-          ", rotation " + shortNumber(propagated.learnt->rotation));
+          "Learnt from the sequence, variances from layer to layer in units of half the root's "
+          "mean vertex area: translation " +
+          shortNumber(propagated.learnt->translation) + ", strain " +
+          shortNumber(propagated.learnt->strain) + ", rotation " +
+          shortNumber(propagated.learnt->rotation));
     if (parameters.closing && parameters.method == PropagationMethod::Robust)
-      task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) + " of " +
-               counted(tree.size() - 1, "layer", "layers"));
+      task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) +
+               " of " + counted(tree.size() - 1, "layer", "layers"));
     host::Outputs outputs = write(task, sequence, propagated.layers);
     outputs["mirrored"] = mirrored;
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
       const auto label = [&](int i) { return sequence.layers[static_cast<size_t>(i)].label(); };
-      task.log("Where the two branches of the cycle meet, from " + label(parameters.closing->from) + " to " +
-               label(parameters.closing->to) + ", they differ by " + shortNumber(difference.distance.mean) +
-               " on the surface (95 % below " + shortNumber(difference.distance.p95) + "), " +
-               shortNumber(difference.angle.mean) + " degrees on the sphere");
+      task.log("Where the two branches of the cycle meet, from " + label(parameters.closing->from) +
+               " to " + label(parameters.closing->to) + ", they differ by " +
+               shortNumber(difference.distance.mean) + " on the surface (95 % below " +
+               shortNumber(difference.distance.p95) + "), " + shortNumber(difference.angle.mean) +
+               " degrees on the sphere");
       outputs["branch_distance"] = difference.distance.mean;
       outputs["branch_angle"] = difference.angle.mean;
     }
@@ -227,11 +235,15 @@ class PropagationFilter : public host::Filter {
 
  private:
   /// Says which other root would leave the farthest layer at most three quarters of the arcs away.
-  static void logShorterTree(host::Task& task, const Sequence& sequence, const PropagationTree& tree) {
-    const int centre = tree.centre(), arcs = tree.farthestFrom(tree.root()), least = tree.farthestFrom(centre);
+  static void logShorterTree(host::Task& task, const Sequence& sequence,
+                             const PropagationTree& tree) {
+    const int centre = tree.centre(), arcs = tree.farthestFrom(tree.root()),
+              least = tree.farthestFrom(centre);
     if (4 * least > 3 * arcs || arcs - least < 2) return;
-    task.log("Note: the farthest layer is " + counted(arcs, "step", "steps") + " from the root; with layer \"" +
-             sequence.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " + std::to_string(least) +
+    task.log("Note: the farthest layer is " + counted(arcs, "step", "steps") +
+             " from the root; with layer \"" +
+             sequence.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " +
+             std::to_string(least) +
              ". Where layers form a cycle, the order \"Cyclic time\" is shorter, too.");
   }
 
@@ -241,42 +253,50 @@ class PropagationFilter : public host::Filter {
       text = "Layer \"" + layer.label() + "\" is the root, and its map is not valid (any more): " +
              certify(mesh.surface.faces(), *layer.storedPositions(mesh)).reason() + ".";
     return text +
-           " Make it the current layer and run \"Spherical parameterise root\", or choose a root layer that has a "
-           "map.";
+           " Make it the current layer and run \"Spherical parameterise root\", or choose a root "
+           "layer that has a map.";
   }
 
   /// What the user should know about how a layer got its map; usually nothing.
-  static std::string warning(const host::Layer& layer, const MeshSurface& mesh, const PropagatedLayer& propagated) {
+  static std::string warning(const host::Layer& layer, const MeshSurface& mesh,
+                             const PropagatedLayer& propagated) {
     std::string text;
     if (propagated.route == Route::Alignment)
       text = "the motion fit lost it, so the map comes from its parent, aligned";
     if (propagated.route == Route::Published)
-      text = "the motion fit lost it and alignment gave no map, so the map comes from its parent, as published";
+      text =
+          "the motion fit lost it and alignment gave no map, so the map comes from its parent, as "
+          "published";
     if (propagated.pose.moved)
-      text +=
-          (text.empty() ? "" : "; ") + std::string("it lies in another pose and was laid on its parent for the fit (") +
-          shortNumber(propagated.pose.shift) + " away, turned by " + shortNumber(propagated.pose.angle) + " degrees)";
+      text += (text.empty() ? "" : "; ") +
+              std::string("it lies in another pose and was laid on its parent for the fit (") +
+              shortNumber(propagated.pose.shift) + " away, turned by " +
+              shortNumber(propagated.pose.angle) + " degrees)";
     if (propagated.pose.mirrored)
       text += (text.empty() ? "" : "; ") +
               std::string(
-                  "its mirror image fits its parent far better: is it a left one "
-                  "among right ones? Run the filter again with mirror_layers (\"Mirror layers\"), "
-                  "which reflects it");
+                  "its mirror image fits its parent far better: is it a left one among right ones? "
+                  "Run the filter again with mirror_layers (\"Mirror layers\"), which reflects it");
     const double size = propagated.relativeSize;
     if (size > differentSize || size < 1 / differentSize)
-      text += (text.empty() ? "" : "; ") + std::string("it is ") + shortNumber(size > 1 ? size : 1 / size) + " times " +
-              (size > 1 ? "larger" : "smaller") + " than its parent, so one of them may be in another unit";
-    const double edges = propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
-    if (edges > mostResidualInEdges)
+      text += (text.empty() ? "" : "; ") + std::string("it is ") +
+              shortNumber(size > 1 ? size : 1 / size) + " times " +
+              (size > 1 ? "larger" : "smaller") +
+              " than its parent, so one of them may be in another unit";
+    const double edges =
+        propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
+    if (edges > maxResidualInEdges)
       text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
               " edge lengths off on average, so it may be another shape or in another unit";
     return text.empty() ? text : "Warning: " + layer.label() + ": " + text + ".";
   }
 
-  /// The current layer if it has a map, else the first surface layer that has one, else the current layer.
+  /// The current layer if it has a map, else the first surface layer that has one, else the current
+  /// layer.
   static int defaultRootId(const host::Layers& layers) {
     const int current = layers.currentId();
-    if (const auto layer = layers.find(current); layer && layer->kind() == host::LayerKind::Surface && layer->hasMap())
+    if (const auto layer = layers.find(current);
+        layer && layer->kind() == host::LayerKind::Surface && layer->hasMap())
       return current;
     for (const host::Layer& layer : layers.visible(host::LayerKind::Surface))
       if (layer.hasMap()) return layer.id();
@@ -292,14 +312,14 @@ class PropagationFilter : public host::Filter {
       const auto layer = task.layers.find(rootId);
       throw ParameterError(
           layer ? "Layer \"" + layer->label() +
-                      "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere or of a "
-                      "shape model. Show it, or choose a visible surface layer."
+                      "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere "
+                      "or of a shape model. Show it, or choose a visible surface layer."
                 : "There is no layer " + std::to_string(rootId) + " to be the root.");
     }
     if (sequence.layers.size() == 1)
       throw ParameterError("Layer \"" + sequence.layers[0].label() +
-                           "\" is the only visible surface: there is nothing to propagate its map to. Load or show the "
-                           "other layers.");
+                           "\" is the only visible surface: there is nothing to propagate its map "
+                           "to. Load or show the other layers.");
     const double count = static_cast<double>(sequence.layers.size());
     for (size_t i = 0; i < sequence.layers.size(); ++i) {
       sequence.meshes.push_back(sequence.layers[i].surface());
@@ -328,16 +348,18 @@ class PropagationFilter : public host::Filter {
     }
     const PropagationTree tree = givenTree(sequence, task.values.text("parents"));
     if (tree.root() != sequence.root)
-      throw ParameterError("parents: the root (-1) is layer \"" +
-                           sequence.layers[static_cast<size_t>(tree.root())].label() + "\", but root_layer is \"" +
-                           sequence.layers[static_cast<size_t>(sequence.root)].label() + "\". Make them the same.");
+      throw ParameterError(
+          "parents: the root (-1) is layer \"" +
+          sequence.layers[static_cast<size_t>(tree.root())].label() + "\", but root_layer is \"" +
+          sequence.layers[static_cast<size_t>(sequence.root)].label() + "\". Make them the same.");
     return tree;
   }
 
-  /// Reflects the layers that are mirror images of the others: in `surfaces`, in `sequence` and, when all is done, in
-  /// the document. mirrored: 1 for each of them.
-  static void mirrorLayers(host::Task& task, Sequence& sequence, std::vector<ClosedSurface>& surfaces,
-                           PropagationTree& tree, Eigen::VectorXd& mirrored) {
+  /// Reflects the layers that are mirror images of the others: in `surfaces`, in `sequence` and,
+  /// when all is done, in the document. mirrored: 1 for each of them.
+  static void mirrorLayers(host::Task& task, Sequence& sequence,
+                           std::vector<ClosedSurface>& surfaces, PropagationTree& tree,
+                           Eigen::VectorXd& mirrored) {
     ThreadPool pool(std::max(0, task.values.integer("threads")));
     for (bool again = true; again;) {
       again = false;
@@ -349,10 +371,11 @@ class PropagationFilter : public host::Filter {
         surfaces[i] = mirrorImage(surfaces[i], *planes[i]);
         sequence.meshes[i].surface = surfaces[i];
         task.changes.mirror(sequence.layers[i], *planes[i]);
-        task.log(
-            sequence.layers[i].label() +
-            ": is a mirror image of the others, and was reflected across the plane x = " + shortNumber(*planes[i]) +
-            " through its centroid. Its surface is changed; save it, or reflect the layer again to go back.");
+        task.log(sequence.layers[i].label() +
+                 ": is a mirror image of the others, and was reflected across the plane x = " +
+                 shortNumber(*planes[i]) +
+                 " through its centroid. Its surface is changed; save it, or reflect the layer "
+                 "again to go back.");
         // Which shapes are alike may be another matter now.
         again = static_cast<Order>(task.values.choice("order")) == Order::SimilarityTree;
       }
@@ -363,49 +386,59 @@ class PropagationFilter : public host::Filter {
   static host::Outputs write(host::Task& task, const Sequence& sequence,
                              const std::vector<PropagatedLayer>& propagated) {
     const size_t count = sequence.layers.size();
-    // A layer whose own map was handed to it passes on the root that this came from: they all belong together.
+    // A layer whose own map was handed to it passes on the root that this came from: they all
+    // belong together.
     const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
-    const std::optional<int> known = rootLayer.mark(host::rootMark), root = known ? known : rootLayer.mapFingerprint();
+    const std::optional<int> known = rootLayer.mark(host::rootMark),
+                             root = known ? known : rootLayer.mapFingerprint();
     if (root && !known) task.changes.setMark(rootLayer, host::rootMark, *root);
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);
-    Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries), repairedFaces(entries),
-        route(entries);
+    Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries),
+        repairedFaces(entries), route(entries);
     for (size_t i = 0; i < count; ++i) {
       const PropagatedLayer& layer = propagated[i];
       const auto row = static_cast<Eigen::Index>(i);
       const MapMeasures measures = measureMap(sequence.meshes[i].surface, layer.map.positions());
       figures.set(i, measures, layer.seconds);
       const bool isRoot = layer.parent < 0;
-      const std::string from = isRoot ? "" : sequence.layers[static_cast<size_t>(layer.parent)].label();
+      const std::string from =
+          isRoot ? "" : sequence.layers[static_cast<size_t>(layer.parent)].label();
       parent[row] = isRoot ? -1 : sequence.layers[static_cast<size_t>(layer.parent)].id();
       residualMean[row] = layer.residualMean;
       residualP95[row] = layer.residualP95;
       repairedFaces[row] = layer.repairedFaces;
       route[row] = static_cast<double>(layer.route);
-      std::string line = describeMap(sequence.layers[i].label(), sequence.meshes[i].surface, measures);
+      std::string line =
+          describeMap(sequence.layers[i].label(), sequence.meshes[i].surface, measures);
       if (isRoot) {
         line += " (root)";
       } else {
-        const std::string note = task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map, root);
+        const std::string note =
+            task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map, root);
         if (!note.empty()) task.log(note);
-        line += ", from " + from + " with residual " + shortNumber(layer.residualMean) + " (95 % below " +
-                shortNumber(layer.residualP95) + "), " + counted(layer.repairedFaces, "face", "faces") + " repaired, " +
+        line += ", from " + from + " with residual " + shortNumber(layer.residualMean) +
+                " (95 % below " + shortNumber(layer.residualP95) + "), " +
+                counted(layer.repairedFaces, "face", "faces") + " repaired, " +
                 shortNumber(layer.seconds) + " s";
       }
       if (task.values.flag("residual_quality"))
-        task.changes.setQuality(sequence.layers[i], sequence.meshes[i],
-                                Eigen::Map<const Eigen::VectorXd>(layer.distances.data(),
-                                                                  static_cast<Eigen::Index>(layer.distances.size())));
+        task.changes.setQuality(
+            sequence.layers[i], sequence.meshes[i],
+            Eigen::Map<const Eigen::VectorXd>(layer.distances.data(),
+                                              static_cast<Eigen::Index>(layer.distances.size())));
       task.log(line);
-      if (const std::string text = warning(sequence.layers[i], sequence.meshes[i], layer); !text.empty())
+      if (const std::string text = warning(sequence.layers[i], sequence.meshes[i], layer);
+          !text.empty())
         task.log(text);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
     if (task.values.flag("residual_quality"))
       task.log(
-          "Quality: distance of each vertex from what was brought onto its layer, in the mesh's unit; 0 at the root, " +
-          shortNumber(residualMean.maxCoeff()) + " on average and " + shortNumber(residualP95.maxCoeff()) +
+          "Quality: distance of each vertex from what was brought onto its layer, in the mesh's "
+          "unit; 0 at the root, " +
+          shortNumber(residualMean.maxCoeff()) + " on average and " +
+          shortNumber(residualP95.maxCoeff()) +
           " for 95 % of the vertices on the layer that is farthest off");
     host::Outputs outputs = {{"parent", parent},
                              {"residual_mean", residualMean},
@@ -419,6 +452,8 @@ class PropagationFilter : public host::Filter {
 
 }  // namespace
 
-std::unique_ptr<host::Filter> makePropagationFilter() { return std::make_unique<PropagationFilter>(); }
+std::unique_ptr<host::Filter> makePropagationFilter() {
+  return std::make_unique<PropagationFilter>();
+}
 
 }  // namespace sphere_propagation

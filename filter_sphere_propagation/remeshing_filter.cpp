@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // "Remesh by icosphere": every surface that has a map is sampled at the same points of the sphere.
 
 #include <atomic>
@@ -9,18 +10,19 @@
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/display/landmark_colors.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
-#include "vcg_ext/remeshing/landmark_colors.h"
 
 namespace sphere_propagation {
 namespace {
 
 /// Landmarks of all layers together, at most: about 6 GB of layers in MeshLab.
-constexpr long mostLandmarks = 20'000'000;
+constexpr long maxLandmarks = 20'000'000;
 
 /// For each layer the landmark layer that an earlier run made of it, whatever it is called by now.
-std::vector<std::optional<int>> earlierLandmarks(const host::Task& task, const std::vector<MappedLayer>& layers) {
+std::vector<std::optional<int>> earlierLandmarks(const host::Task& task,
+                                                 const std::vector<MappedLayer>& layers) {
   std::vector<host::Layer> surfaces;
   surfaces.reserve(layers.size());
   for (const MappedLayer& layer : layers) surfaces.push_back(layer.layer);
@@ -32,8 +34,10 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task, const s
     if (!found[*sources[i]])
       found[*sources[i]] = landmarks[i].id();
     else
-      task.log("Layer \"" + landmarks[i].label() + "\" also holds landmarks of \"" + surfaces[*sources[i]].label() +
-               "\", from an earlier run: delete or hide it, or the shape model counts the shape twice.");
+      task.log(
+          "Layer \"" + landmarks[i].label() + "\" also holds landmarks of \"" +
+          surfaces[*sources[i]].label() +
+          "\", from an earlier run: delete or hide it, or the shape model counts the shape twice.");
   }
   return found;
 }
@@ -41,49 +45,52 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task, const s
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Remesh by icosphere", "generate_icosphere_remeshing",
-        "Samples every visible surface layer that has a map to the sphere by one and the same icosphere. Each gets a "
-        "new layer \"... landmarks\", all with one face list, so that <b>vertex j is the same landmark on every "
-        "shape</b>: the input of a statistical shape model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives "
-        "the "
-        "paper's 1002. New layers have the identity matrix: landmarks lie where the surfaces are seen. Run again, the "
-        "filter replaces the layers that it made, also those that were saved and loaded since.<br><br>"
-        "Returned, one entry per layer with a map: <b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance "
-        "between landmark mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" +
-            paperReference(),
-        static_cast<int>(host::Menu::Remeshing), host::Arity::VisibleLayers};
+    return {"Remesh by icosphere", "generate_icosphere_remeshing",
+            "Samples every visible surface layer that has a map to the sphere by one and the same "
+            "icosphere. Each gets a new layer \"... landmarks\", all with one face list, so that "
+            "<b>vertex j is the same landmark on every shape</b>: the input of a statistical shape "
+            "model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives the paper's 1002. "
+            "New layers have the identity matrix: landmarks lie where the surfaces are seen. Run "
+            "again, the filter replaces the layers that it made, also those that were saved and "
+            "loaded since.<br><br>Returned, one entry per layer with a map: "
+            "<b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance between landmark "
+            "mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" +
+                paperReference(),
+            static_cast<int>(host::Menu::Remeshing), host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {
-        {"frequency", "Frequency",
-         "Into how many parts each edge of the icosahedron is split, 1 to " +
-             std::to_string(largestIcosphereFrequency) + ": 10 f^2 + 2 landmarks.",
-         10},
-        {"color_landmarks", "Colour landmarks",
-         "Show the index of each landmark as its hue: the same colour means the same landmark on every layer.", true},
-        host::Parameter{"threads", "Threads",
-                        "How many threads work on layers; 0: as many as the machine runs at once. The landmarks are "
-                        "the same with any number.",
-                        0}
-            .asAdvanced()};
+    return {{"frequency", "Frequency",
+             "Into how many parts each edge of the icosahedron is split, 1 to " +
+                 std::to_string(maxIcosphereFrequency) + ": 10 f^2 + 2 landmarks.",
+             10},
+            {"color_landmarks", "Colour landmarks",
+             "Show the index of each landmark as its hue: the same colour means the same landmark "
+             "on every layer.",
+             true},
+            host::Parameter{"threads", "Threads",
+                            "How many threads work on layers; 0: as many as the machine runs at "
+                            "once. The landmarks are the same with any number.",
+                            0}
+                .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
     const int threads = task.values.integer("threads");
     if (threads < 0)
-      throw ParameterError("The number of threads must not be negative; it is " + std::to_string(threads) + ".");
+      throw ParameterError("The number of threads must not be negative; it is " +
+                           std::to_string(threads) + ".");
     ThreadPool pool(threads);
     const std::vector<MappedLayer> layers = mappedLayers(task, &pool);
     const int frequency = task.values.integer("frequency");
     const long landmarks = 10L * frequency * frequency + 2;
-    const long affordable = mostLandmarks / static_cast<long>(layers.size());
-    if (frequency >= 1 && frequency <= largestIcosphereFrequency && landmarks > affordable)
-      throw ParameterError("Frequency " + std::to_string(frequency) + " on " +
-                           counted(static_cast<long>(layers.size()), "layer", "layers") + " makes " +
-                           std::to_string(landmarks * static_cast<long>(layers.size())) + " landmarks, more than " +
-                           std::to_string(mostLandmarks) + ". Choose a lower frequency or hide layers.");
+    const long affordable = maxLandmarks / static_cast<long>(layers.size());
+    if (frequency >= 1 && frequency <= maxIcosphereFrequency && landmarks > affordable)
+      throw ParameterError(
+          "Frequency " + std::to_string(frequency) + " on " +
+          counted(static_cast<long>(layers.size()), "layer", "layers") + " makes " +
+          std::to_string(landmarks * static_cast<long>(layers.size())) + " landmarks, more than " +
+          std::to_string(maxLandmarks) + ". Choose a lower frequency or hide layers.");
     const IcosphereRemesher remesher(frequency);
     std::optional<Colors> colors;
     if (task.values.flag("color_landmarks")) colors = landmarkColors(landmarks);
@@ -106,9 +113,9 @@ class RemeshingFilter : public host::Filter {
       mean[i] = all[k].distance.mean;
       max[i] = all[k].distance.max;
       seconds[i] = all[k].seconds;
-      task.log(layers[k].layer.label() + ": " + std::to_string(landmarks) + " landmarks, distance to the surface " +
-               shortNumber(mean[i]) + " on average, " + shortNumber(max[i]) + " at most, " + shortNumber(seconds[i]) +
-               " s");
+      task.log(layers[k].layer.label() + ": " + std::to_string(landmarks) +
+               " landmarks, distance to the surface " + shortNumber(mean[i]) + " on average, " +
+               shortNumber(max[i]) + " at most, " + shortNumber(seconds[i]) + " s");
     }
     return {{"surface_distance_mean", mean}, {"surface_distance_max", max}, {"seconds", seconds}};
   }
@@ -120,8 +127,9 @@ class RemeshingFilter : public host::Filter {
     double seconds;
   };
 
-  static std::vector<Made> makeAll(const IcosphereRemesher& remesher, const std::vector<MappedLayer>& layers,
-                                   ThreadPool& pool, const Progress& progress) {
+  static std::vector<Made> makeAll(const IcosphereRemesher& remesher,
+                                   const std::vector<MappedLayer>& layers, ThreadPool& pool,
+                                   const Progress& progress) {
     const auto caller = std::this_thread::get_id();
     std::atomic<int> finished{0};
     return pool.makeEach(static_cast<int>(layers.size()), [&](int i) {

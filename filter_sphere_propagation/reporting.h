@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// What several filters tell the user in the same words: log lines, returned figures, references.
 
@@ -7,7 +8,7 @@
 #include "host/filter.h"
 #include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/stopwatch.h"
-#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation {
 
@@ -15,7 +16,8 @@ namespace sphere_propagation {
 std::string shortNumber(double value);
 
 /// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
-std::string describeMap(const std::string& label, const ClosedSurface& surface, const MapMeasures& measures);
+std::string describeMap(const std::string& label, const ClosedSurface& surface,
+                        const MapMeasures& measures);
 
 /// The figures of the maps of several layers, as they are returned: one entry per layer.
 class MapFigures {

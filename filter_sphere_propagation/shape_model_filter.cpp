@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // "Build statistical shape model": from landmark layers to their mean, modes, scores and figures.
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/reporting.h"
-#include "vcg_ext/model/displacement_colors.h"
+#include "vcg_ext/display/displacement_colors.h"
 #include "vcg_ext/model/model_export.h"
 #include "vcg_ext/model/model_measures.h"
 #include "vcg_ext/model/procrustes.h"
@@ -19,9 +20,10 @@
 namespace sphere_propagation {
 namespace {
 
-/// Landmark layers in the order of the surfaces that they were made of, which is time order, wherever they are in the
-/// list themselves; those whose surface is not there come last.
-std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task, std::vector<host::Layer> layers) {
+/// Landmark layers in the order of the surfaces that they were made of, which is time order,
+/// wherever they are in the list themselves; those whose surface is not there come last.
+std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
+                                           std::vector<host::Layer> layers) {
   const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
   const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
   logStaleLandmarks(task, layers, surfaces, sources);
@@ -34,9 +36,9 @@ std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task, std::vector<h
   for (size_t k = 0; k < order.size(); ++k) {
     sorted.push_back(layers[order[k]]);
     if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
-      task.log("Warning: layers \"" + layers[order[k - 1]].label() + "\" and \"" + layers[order[k]].label() +
-               "\" both hold landmarks of \"" + surfaces[*sources[order[k]]].label() +
-               "\", which counts twice: hide one of them.");
+      task.log("Warning: layers \"" + layers[order[k - 1]].label() + "\" and \"" +
+               layers[order[k]].label() + "\" both hold landmarks of \"" +
+               surfaces[*sources[order[k]]].label() + "\", which counts twice: hide one of them.");
   }
   if (!std::is_sorted(order.begin(), order.end()))
     task.log("The shapes are taken in the order of their surfaces, not of the landmark layers.");
@@ -48,7 +50,8 @@ TrainingSet trainingSet(const host::Task& task) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty())
     throw ParameterError(
-        "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that it made.");
+        "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that "
+        "it made.");
   requireOneRoot(layers);
   layers = inOrderOfSurfaces(task, std::move(layers));
   std::vector<TrainingSet::Shape> shapes;
@@ -57,30 +60,36 @@ TrainingSet trainingSet(const host::Task& task) {
     const MeshSurface mesh = layer.surface();
     shapes.push_back({layer.label(), mesh.surface.vertices()});
     if (shapes.size() == 1) faces = mesh.surface.faces();
-    // Layers of different sizes are the training set's business. Of one size they have one list, unless one is
-    // mirrored.
-    if (mesh.surface.vertices().rows() == shapes.front().landmarks.rows() && mesh.surface.faces() != faces)
-      throw ParameterError("Layers \"" + shapes.front().name + "\" and \"" + layer.label() +
-                           "\" have different face lists: the matrix of one of them mirrors. Mirror both or none.");
+    // Layers of different sizes are the training set's business. Of one size they have one list,
+    // unless one is mirrored.
+    if (mesh.surface.vertices().rows() == shapes.front().landmarks.rows() &&
+        mesh.surface.faces() != faces)
+      throw ParameterError(
+          "Layers \"" + shapes.front().name + "\" and \"" + layer.label() +
+          "\" have different face lists: the matrix of one of them mirrors. Mirror both or none.");
   }
   return {std::move(shapes), std::move(faces)};
 }
 
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }
 
-/// The mean, and for the first modes the shapes at both ends, coloured by their displacement along the mean's normal.
-void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayers, double deviations) {
+/// The mean, and for the first modes the shapes at both ends, coloured by their displacement along
+/// the mean's normal.
+void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayers,
+               double deviations) {
   struct Deviated {
     std::string label;
     Points shape;
     Eigen::VectorXd displacement;
   };
-  std::vector<Deviated> shapes = {{"mean shape", model.mean, Eigen::VectorXd::Zero(model.mean.rows())}};
+  std::vector<Deviated> shapes = {
+      {"mean shape", model.mean, Eigen::VectorXd::Zero(model.mean.rows())}};
   for (Eigen::Index mode = 0; mode < modeLayers; ++mode)
     for (const bool plus : {false, true}) {
       Points shape = model.shape(mode, plus ? deviations : -deviations);
       Eigen::VectorXd displacement = normalDisplacements(model.mean, shape, model.faces);
-      shapes.push_back({"mode " + std::to_string(mode + 1) + (plus ? " +" : " -") + shortNumber(deviations) + " sd",
+      shapes.push_back({"mode " + std::to_string(mode + 1) + (plus ? " +" : " -") +
+                            shortNumber(deviations) + " sd",
                         std::move(shape), std::move(displacement)});
     }
   double range = 0;
@@ -97,9 +106,11 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
   }
   task.changes.removeOtherLayers(host::LayerKind::Model);
   if (modeLayers > 0)
-    task.log("Colours of the modes, all on one scale: displacement from the mean along its normal; red " +
-             shortNumber(range) + " outwards, white 0, blue " + shortNumber(range) +
-             " inwards, in the mesh's unit; also stored as vertex quality");
+    task.log(
+        "Colours of the modes, all on one scale: displacement from the mean along its normal; "
+        "red " +
+        shortNumber(range) + " outwards, white 0, blue " + shortNumber(range) +
+        " inwards, in the mesh's unit; also stored as vertex quality");
 }
 
 class ShapeModelFilter : public host::Filter {
@@ -107,83 +118,95 @@ class ShapeModelFilter : public host::Filter {
   host::FilterDescription describe() const override {
     return {
         "Build statistical shape model", "compute_statistical_shape_model",
-        "Builds a point distribution model of all visible landmark layers, which \"Remesh by icosphere\" makes: the "
-        "shapes are aligned by generalised Procrustes analysis, their average is the mean shape, and a principal "
-        "component analysis gives the modes in which they vary, with the variance of each (divisor: number of shapes - "
-        "1). New layers show the mean and the ends of the first modes, \"mode 1 -3 sd\" and \"mode 1 +3 sd\", coloured "
-        "by displacement from the mean along its normal: red outwards, blue inwards, white none; the log says how "
-        "far. The frame is that of the first shape, the size the average one. Run again, the filter replaces the "
-        "layers that it made. Shapes come in the order of the surfaces that they were made of, where these are in the "
-        "project, else in layer order. Identical shapes give a model without modes.<br><br>"
-        "<b>Export file</b>, by its ending: .npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, "
-        "faces "
-        "F x 3), .h5 and .json (statismo, scalismo), .particles (ShapeWorks: the mean, and one file per shape beside "
-        "it), .ply "
-        "(the mean, with modes as vertex properties), .csv (the scores).<br><br>"
-        "Returned, entry m - 1 for m modes: <b>eigenvalues</b>: variance along mode m; <b>compactness</b>: sum of the "
-        "first m eigenvalues; <b>variance_share</b>: the same as a share of all variance; <b>generalisation</b>: mean "
-        "distance between a shape and its best approximation by m modes of the model of all others; "
-        "<b>specificity</b>: mean distance of random shapes of the model from the nearest training shape; "
-        "<b>generalisation_error</b>, <b>specificity_error</b>: their standard errors. A distance is the root mean "
-        "square over the landmarks, in the mesh's unit. <b>scores</b>: of every shape along the modes, row by row "
-        "(reshape to shapes x modes); <b>mean</b> (landmarks x 3) and <b>mode_vectors</b> (modes x landmarks x 3), row "
-        "by row; <b>total_variance</b>: of all modes, kept or not; <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how "
-        "many; <b>seconds</b>.<br><br>" +
+        "Builds a point distribution model of all visible landmark layers, which \"Remesh by "
+        "icosphere\" makes: the shapes are aligned by generalised Procrustes analysis, their "
+        "average is the mean shape, and a principal component analysis gives the modes in which "
+        "they vary, with the variance of each (divisor: number of shapes - 1). New layers show the "
+        "mean and the ends of the first modes, \"mode 1 -3 sd\" and \"mode 1 +3 sd\", coloured by "
+        "displacement from the mean along its normal: red outwards, blue inwards, white none; the "
+        "log says how far. The frame is that of the first shape, the size the average one. Run "
+        "again, the filter replaces the layers that it made. Shapes come in the order of the "
+        "surfaces that they were made of, where these are in the project, else in layer order. "
+        "Identical shapes give a model without modes.<br><br><b>Export file</b>, by its ending: "
+        ".npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, faces F x 3), .h5 "
+        "and .json (statismo, scalismo), .particles (ShapeWorks: the mean, and one file per shape "
+        "beside it), .ply (the mean, with modes as vertex properties), .csv (the "
+        "scores).<br><br>Returned, entry m - 1 for m modes: <b>eigenvalues</b>: variance along "
+        "mode m; <b>compactness</b>: sum of the first m eigenvalues; <b>variance_share</b>: the "
+        "same as a share of all variance; <b>generalisation</b>: mean distance between a shape and "
+        "its best approximation by m modes of the model of all others; <b>specificity</b>: mean "
+        "distance of random shapes of the model from the nearest training shape; "
+        "<b>generalisation_error</b>, <b>specificity_error</b>: their standard errors. A distance "
+        "is the root mean square over the landmarks, in the mesh's unit. <b>scores</b>: of every "
+        "shape along the modes, row by row (reshape to shapes x modes); <b>mean</b> (landmarks x "
+        "3) and <b>mode_vectors</b> (modes x landmarks x 3), row by row; <b>total_variance</b>: of "
+        "all modes, kept or not; <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how many; "
+        "<b>seconds</b>.<br><br>" +
             paperReference() +
-            "<i>Timothy F. Cootes, Christopher J. Taylor, David H. Cooper and Jim Graham</i><br>"
-            "<b>\"Active shape models: their training and application\"</b><br>"
-            "Computer Vision and Image Understanding 61(1), 1995.<br>"
-            "<i>Martin A. Styner, Kumar T. Rajamani, Lutz-Peter Nolte, Gabriel Zsemlye, G&aacute;bor Sz&eacute;kely, "
-            "Christopher J. Taylor and Rhodri H. Davies</i><br>"
-            "<b>\"Evaluation of 3D correspondence methods for model building\"</b><br>"
-            "Information Processing in Medical Imaging, 2003.",
+            "<i>Timothy F. Cootes, Christopher J. Taylor, David H. Cooper and Jim "
+            "Graham</i><br><b>\"Active shape models: their training and "
+            "application\"</b><br>Computer Vision and Image Understanding 61(1), "
+            "1995.<br><i>Martin A. Styner, Kumar T. Rajamani, Lutz-Peter Nolte, Gabriel Zsemlye, "
+            "G&aacute;bor Sz&eacute;kely, Christopher J. Taylor and Rhodri H. "
+            "Davies</i><br><b>\"Evaluation of 3D correspondence methods for model "
+            "building\"</b><br>Information Processing in Medical Imaging, 2003.",
         host::Menu::Layer | host::Menu::Measure, host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const ModelMeasureParameters measures;
-    return {
-        {"alignment", "Alignment",
-         "What is taken out of the shapes before they are compared. Similarity: pose and size. Rigid: pose. None: "
-         "nothing.",
-         host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}},
-        {"modes", "Modes", "How many modes are kept; 0: all, which are at most one less than the shapes.", 0},
-        {"standard_deviations", "Standard deviations",
-         "How far from the mean the layers of a mode lie, in standard deviations of that mode; above 0.", 3.0},
-        {"mode_layers", "Modes shown", "Number of modes that get two layers each; 0: only the mean is shown.", 3},
-        {"export_file", "Export file",
-         "Where the model is written to; empty: nowhere. The ending chooses the format: " + modelFileEndings() + ".",
-         host::Parameter::NewFile{
-             "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;Mean and modes "
-             "(*.ply);;Table of scores (*.csv)"}},
-        host::Parameter{"area_weights", "Weigh by area",
-                        "Alignment: each landmark weighs the area around it on the mean shape, so that dense regions "
-                        "do not count more. The modes are not weighted.",
-                        false}
-            .asAdvanced(),
-        host::Parameter{"specificity_samples", "Specificity samples",
-                        "Number of random shapes that the specificity is measured with, 1 to 1000000.",
-                        measures.samples}
-            .asAdvanced(),
-        host::Parameter{"seed", "Seed", "Of the random shapes; 0 or more.", static_cast<int>(measures.seed)}
-            .asAdvanced()};
+    return {{"alignment", "Alignment",
+             "What is taken out of the shapes before they are compared. Similarity: pose and size. "
+             "Rigid: pose. None: nothing.",
+             host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}},
+            {"modes", "Modes",
+             "How many modes are kept; 0: all, which are at most one less than the shapes.", 0},
+            {"standard_deviations", "Standard deviations",
+             "How far from the mean the layers of a mode lie, in standard deviations of that mode; "
+             "above 0.",
+             3.0},
+            {"mode_layers", "Modes shown",
+             "Number of modes that get two layers each; 0: only the mean is shown.", 3},
+            {"export_file", "Export file",
+             "Where the model is written to; empty: nowhere. The ending chooses the format: " +
+                 modelFileEndings() + ".",
+             host::Parameter::NewFile{
+                 "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;Mean "
+                 "and modes (*.ply);;Table of scores (*.csv)"}},
+            host::Parameter{"area_weights", "Weigh by area",
+                            "Alignment: each landmark weighs the area around it on the mean shape, "
+                            "so that dense regions do not count more. The modes are not weighted.",
+                            false}
+                .asAdvanced(),
+            host::Parameter{
+                "specificity_samples", "Specificity samples",
+                "Number of random shapes that the specificity is measured with, 1 to 1000000.",
+                measures.samples}
+                .asAdvanced(),
+            host::Parameter{"seed", "Seed", "Of the random shapes; 0 or more.",
+                            static_cast<int>(measures.seed)}
+                .asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
     const Stopwatch stopwatch;
     const int modesWanted = task.values.integer("modes");
     if (modesWanted < 0)
-      throw ParameterError("The number of modes must be 0 (all) or more; it is " + std::to_string(modesWanted) + ".");
+      throw ParameterError("The number of modes must be 0 (all) or more; it is " +
+                           std::to_string(modesWanted) + ".");
     const double deviations = task.values.real("standard_deviations");
     if (!(deviations > 0) || !std::isfinite(deviations))
-      throw ParameterError("The standard deviations must be above 0; they are " + shortNumber(deviations) + ".");
+      throw ParameterError("The standard deviations must be above 0; they are " +
+                           shortNumber(deviations) + ".");
     const int modeLayers = task.values.integer("mode_layers");
     if (modeLayers < 0)
-      throw ParameterError("The number of modes shown must be 0 or more; it is " + std::to_string(modeLayers) + ".");
+      throw ParameterError("The number of modes shown must be 0 or more; it is " +
+                           std::to_string(modeLayers) + ".");
     ModelMeasureParameters measureParameters;
     measureParameters.samples = task.values.integer("specificity_samples");
     const int seed = task.values.integer("seed");
-    if (seed < 0) throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
+    if (seed < 0)
+      throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
     measureParameters.seed = static_cast<unsigned>(seed);
     ProcrustesParameters procrustes;
     procrustes.alignment = static_cast<Alignment>(task.values.choice("alignment"));
@@ -209,33 +232,43 @@ class ShapeModelFilter : public host::Filter {
                   : ", aligned in " + counted(aligned.iterations, "round", "rounds")) +
              ": " + counted(modes, "mode", "modes"));
     if (!aligned.converged)
-      task.log("The alignment still moved after " + counted(aligned.iterations, "round", "rounds") + ".");
-    if (all.modeCount() == 0) task.log("All shapes are identical once aligned: there is no variance and no mode.");
-    if (modesWanted > modes) task.log("There are no more than " + counted(modes, "mode", "modes") + ".");
+      task.log("The alignment still moved after " + counted(aligned.iterations, "round", "rounds") +
+               ".");
+    if (all.modeCount() == 0)
+      task.log("All shapes are identical once aligned: there is no variance and no mode.");
+    if (modesWanted > modes)
+      task.log("There are no more than " + counted(modes, "mode", "modes") + ".");
     for (Eigen::Index m = 0; m < std::min<Eigen::Index>(modes, std::max(modeLayers, 3)); ++m)
       task.log("mode " + std::to_string(m + 1) + ": standard deviation " +
-               shortNumber(std::sqrt(model.eigenvalues[m] / static_cast<double>(given.landmarkCount()))) +
-               " per landmark, " + percent(model.eigenvalues[m] / model.totalVariance) + " of the variance, " +
-               percent(measures.compactness[m] / model.totalVariance) + " with those before; generalisation " +
-               shortNumber(measures.generalisation[m]) + ", specificity " + shortNumber(measures.specificity[m]));
+               shortNumber(
+                   std::sqrt(model.eigenvalues[m] / static_cast<double>(given.landmarkCount()))) +
+               " per landmark, " + percent(model.eigenvalues[m] / model.totalVariance) +
+               " of the variance, " + percent(measures.compactness[m] / model.totalVariance) +
+               " with those before; generalisation " + shortNumber(measures.generalisation[m]) +
+               ", specificity " + shortNumber(measures.specificity[m]));
     addLayers(task, model, std::min<Eigen::Index>(modes, modeLayers), deviations);
     if (!file.empty()) {  // last of what can fail
       const std::vector<std::string> written = exportModel(file, model, aligned.shapes);
-      task.log("written: " + written.front() +
-               (written.size() > 1 ? ", and " + written[1] + " to " + written.back() : std::string()));
+      task.log(
+          "written: " + written.front() +
+          (written.size() > 1 ? ", and " + written[1] + " to " + written.back() : std::string()));
     }
 
     host::Outputs outputs;
     outputs["eigenvalues"] = model.eigenvalues;
     outputs["compactness"] = measures.compactness;
-    outputs["variance_share"] = Eigen::VectorXd(measures.compactness / std::max(model.totalVariance, 1e-300));
+    outputs["variance_share"] =
+        Eigen::VectorXd(measures.compactness / std::max(model.totalVariance, 1e-300));
     outputs["generalisation"] = measures.generalisation;
     outputs["generalisation_error"] = measures.generalisationError;
     outputs["specificity"] = measures.specificity;
     outputs["specificity_error"] = measures.specificityError;
-    const Eigen::MatrixXd byShape = model.scores.transpose();  // columns lie in memory one after the other
-    outputs["scores"] = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(byShape.data(), byShape.size()));
-    outputs["mean"] = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.mean.data(), model.mean.size()));
+    const Eigen::MatrixXd byShape =
+        model.scores.transpose();  // columns lie in memory one after the other
+    outputs["scores"] =
+        Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(byShape.data(), byShape.size()));
+    outputs["mean"] =
+        Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.mean.data(), model.mean.size()));
     outputs["mode_vectors"] =
         Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.modes.data(), model.modes.size()));
     outputs["total_variance"] = model.totalVariance;
@@ -249,6 +282,8 @@ class ShapeModelFilter : public host::Filter {
 
 }  // namespace
 
-std::unique_ptr<host::Filter> makeShapeModelFilter() { return std::make_unique<ShapeModelFilter>(); }
+std::unique_ptr<host::Filter> makeShapeModelFilter() {
+  return std::make_unique<ShapeModelFilter>();
+}
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // "Show parameterisation as sphere layers": the maps, to be looked at.
 
 #include <Eigen/Geometry>
@@ -13,8 +14,8 @@
 namespace sphere_propagation {
 namespace {
 
-/// The rotation of the sphere that shows the same side as the surface: the best one from the map to directions from
-/// the centre.
+/// The rotation of the sphere that shows the same side as the surface: the best one from the map to
+/// directions from the centre.
 Eigen::Matrix3d sameSide(const MappedLayer& mapped) {
   const Points& vertices = mapped.mesh.surface.vertices();
   const Points directions = vertices.rowwise() - vertices.colwise().mean();
@@ -24,8 +25,8 @@ Eigen::Matrix3d sameSide(const MappedLayer& mapped) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-/// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab looks along -z, y
-/// upwards), in layer order, each of its surface's area.
+/// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab
+/// looks along -z, y upwards), in layer order, each of its surface's area.
 std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers) {
   Eigen::AlignedBox3d all;
   std::vector<double> radii;
@@ -36,7 +37,8 @@ std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers
     radii.push_back(std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi)));
   }
   const double radius = *std::max_element(radii.begin(), radii.end()), step = 2.25 * radius;
-  const auto columns = static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(layers.size()))));
+  const auto columns =
+      static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(layers.size()))));
   const size_t rows = (layers.size() + columns - 1) / columns;
   std::vector<Eigen::Matrix4d> places;
   for (size_t i = 0; i < layers.size(); ++i) {
@@ -53,23 +55,23 @@ std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers
 class SphereLayersFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Show parameterisation as sphere layers", "generate_sphere_layers",
-        "Makes a new layer \"... sphere\" of every visible surface layer that has a map: the surface's own triangles "
-        "on the unit sphere, with its colours. Run again, the filter replaces the layers that it made.<br><br>"
-        "Unit spheres lie at the origin and are tiny beside a surface in mm. \"Beside the surfaces\" shows them large "
-        "and to the right, by the layer's matrix alone; else hide the surfaces and press Ctrl+H. \"Colour by "
-        "spherical parameterisation\" draws the same pattern on both.<br><br>"
-        "Returned: <b>layers</b>: how many were made.<br><br>" +
-            paperReference(),
-        static_cast<int>(host::Menu::Layer), host::Arity::VisibleLayers};
+    return {"Show parameterisation as sphere layers", "generate_sphere_layers",
+            "Makes a new layer \"... sphere\" of every visible surface layer that has a map: the "
+            "surface's own triangles on the unit sphere, with its colours. Run again, the filter "
+            "replaces the layers that it made.<br><br>Unit spheres lie at the origin and are tiny "
+            "beside a surface in mm. \"Beside the surfaces\" shows them large and to the right, by "
+            "the layer's matrix alone; else hide the surfaces and press Ctrl+H. \"Colour by "
+            "spherical parameterisation\" draws the same pattern on both.<br><br>Returned: "
+            "<b>layers</b>: how many were made.<br><br>" +
+                paperReference(),
+            static_cast<int>(host::Menu::Layer), host::Arity::VisibleLayers};
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     return {{"beside_surfaces", "Beside the surfaces",
-             "Show the spheres to the right of the surfaces, each as large as its surface (by area) and turned to show "
-             "the same side, through the "
-             "layer's matrix: the vertices stay on the unit sphere. Otherwise the matrix is the identity.",
+             "Show the spheres to the right of the surfaces, each as large as its surface (by "
+             "area) and turned to show the same side, through the layer's matrix: the vertices "
+             "stay on the unit sphere. Otherwise the matrix is the identity.",
              false}};
   }
 
@@ -92,13 +94,16 @@ class SphereLayersFilter : public host::Filter {
     const int made = static_cast<int>(layers.size());
     task.log(counted(made, "sphere layer", "sphere layers") +
              (beside ? ", beside the surfaces"
-                     : ", radius 1 at the origin: hide the surfaces to see them, or ask for them beside the surfaces"));
+                     : ", radius 1 at the origin: hide the surfaces to see them, or ask for them "
+                       "beside the surfaces"));
     return {{"layers", made}};
   }
 };
 
 }  // namespace
 
-std::unique_ptr<host::Filter> makeSphereLayersFilter() { return std::make_unique<SphereLayersFilter>(); }
+std::unique_ptr<host::Filter> makeSphereLayersFilter() {
+  return std::make_unique<SphereLayersFilter>();
+}
 
 }  // namespace sphere_propagation

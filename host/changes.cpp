@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/changes.h"
 
 #include <QRegularExpression>
@@ -8,8 +9,8 @@
 #include "host/document.h"
 #include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/float_copy.h"
-#include "vcg_ext/map/texture_copy.h"
+#include "vcg_ext/sphere/repair/float_copy.h"
+#include "vcg_ext/sphere/repair/texture_copy.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -31,9 +32,11 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
   meshFromSurface(layer.vertices, layer.faces, *mesh);
   if (layer.colors)
     for (int v = 0; v < mesh->vn; ++v)
-      mesh->vert[v].C() = vcg::Color4b((*layer.colors)(v, 0), (*layer.colors)(v, 1), (*layer.colors)(v, 2), 255);
+      mesh->vert[v].C() =
+          vcg::Color4b((*layer.colors)(v, 0), (*layer.colors)(v, 1), (*layer.colors)(v, 2), 255);
   if (layer.quality)
-    for (int v = 0; v < mesh->vn; ++v) mesh->vert[v].Q() = static_cast<Scalarm>((*layer.quality)[v]);
+    for (int v = 0; v < mesh->vn; ++v)
+      mesh->vert[v].Q() = static_cast<Scalarm>((*layer.quality)[v]);
   for (const auto& [name, values] : layer.pointAttributes) {
     auto handle = Allocator::AddPerVertexAttribute<Point3m>(*mesh, name);
     for (int v = 0; v < mesh->vn; ++v) handle[static_cast<size_t>(v)] = pointm(values, v);
@@ -52,7 +55,8 @@ void setMatrix(CMeshO& mesh, const Eigen::Matrix4d& matrix) {
 void turn(CFaceO& face, bool hasTexture) {
   std::swap(face.V(1), face.V(2));
   if (hasTexture) std::swap(face.WT(1), face.WT(2));
-  const bool first = face.IsF(0), last = face.IsF(2);  // sides that are drawn, or lie inside a polygon
+  const bool first = face.IsF(0),
+             last = face.IsF(2);  // sides that are drawn, or lie inside a polygon
   last ? face.SetF(0) : face.ClearF(0);
   first ? face.SetF(2) : face.ClearF(2);
 }
@@ -152,40 +156,43 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, cons
   }
   bool attributeHoldsIt = true;
   if constexpr (std::is_same_v<Scalarm, double>) {
-    for (Eigen::Index v = 0; v < map.positions().rows(); ++v) change.positions.push_back(pointm(map.positions(), v));
+    for (Eigen::Index v = 0; v < map.positions().rows(); ++v)
+      change.positions.push_back(pointm(map.positions(), v));
   } else {
     const FloatCopy copy = copyToFloat(surface.surface, map);
     attributeHoldsIt = copy.valid;
     if (copy.valid) {
       mended += copy.mendedVertices;
       const Points rounded = copy.positions.cast<double>();
-      for (Eigen::Index v = 0; v < rounded.rows(); ++v) change.positions.push_back(pointm(rounded, v));
+      for (Eigen::Index v = 0; v < rounded.rows(); ++v)
+        change.positions.push_back(pointm(rounded, v));
     }
   }
   if (!textureHoldsIt && !attributeHoldsIt)
     throw MapError(0, -1,
                    "Layer \"" + layer.label() +
-                       "\": its map has faces too small for the single precision in which this MeshLab stores it. "
-                       "PyMeshLab stores double precision; or make the mesh coarser where it is finest (Filters, "
-                       "Remeshing).");
+                       "\": its map has faces too small for the single precision in which this "
+                       "MeshLab stores it. PyMeshLab stores double precision; or make the mesh "
+                       "coarser where it is finest (Filters, Remeshing).");
   maps_.push_back(std::move(change));
   const std::string name = "Layer \"" + layer.label() + "\": ";
   if (!textureHoldsIt)
     return name +
-           "its map is too fine for texture coordinates, which are stored as float; it is kept as the attribute "
-           "\"sphere_position\" only, which files do not keep.";
+           "its map is too fine for texture coordinates, which are stored as float; it is kept as "
+           "the attribute \"sphere_position\" only, which files do not keep.";
   if (!attributeHoldsIt)
     return name +
-           "its map is too fine for the attribute \"sphere_position\", which this MeshLab stores as float; it is kept "
-           "as "
-           "texture coordinates only.";
+           "its map is too fine for the attribute \"sphere_position\", which this MeshLab stores "
+           "as float; it is kept as texture coordinates only.";
   if (mended > 0)
     return name + counted(mended, "vertex was", "vertices were") +
            " moved by a few units in the last place, so that the map stays valid as float.";
   return {};
 }
 
-void Changes::setMark(const Layer& layer, const char* name, int value) { marks_.push_back({layer.id(), name, value}); }
+void Changes::setMark(const Layer& layer, const char* name, int value) {
+  marks_.push_back({layer.id(), name, value});
+}
 
 void Changes::mirror(const Layer& layer, double plane) { mirrors_.push_back({layer.id(), plane}); }
 
@@ -200,14 +207,17 @@ void Changes::setQuality(const Layer& layer, const MeshSurface& surface, Eigen::
 
 bool Changes::addLayer(const NewLayer& layer) {
   const auto taken = [this](int id) {
-    return std::any_of(layers_.begin(), layers_.end(), [id](const LayerChange& c) { return c.replacedId == id; });
+    return std::any_of(layers_.begin(), layers_.end(),
+                       [id](const LayerChange& c) { return c.replacedId == id; });
   };
   const auto label = [&](const MeshModel& mesh) {
-    return layer.kind == LayerKind::Model ? withoutNumber(mesh.label()).toStdString() : Layer(mesh).plainLabel();
+    return layer.kind == LayerKind::Model ? withoutNumber(mesh.label()).toStdString()
+                                          : Layer(mesh).plainLabel();
   };
   int replaced = layer.replacedId.value_or(-1);
   for (const MeshModel* mesh : meshesOf(document_))
-    if (replaced < 0 && !taken(mesh->id()) && label(*mesh) == layer.label && Layer(*mesh).kind() == layer.kind)
+    if (replaced < 0 && !taken(mesh->id()) && label(*mesh) == layer.label &&
+        Layer(*mesh).kind() == layer.kind)
       replaced = mesh->id();
   layers_.push_back({layer.label, replaced, makeMesh(layer), layer.matrix});
   return replaced >= 0;
@@ -215,10 +225,12 @@ bool Changes::addLayer(const NewLayer& layer) {
 
 void Changes::removeOtherLayers(LayerKind kind) {
   for (const MeshModel* mesh : meshesOf(document_)) {
-    const bool replaced = std::any_of(layers_.begin(), layers_.end(),
-                                      [mesh](const LayerChange& change) { return change.replacedId == mesh->id(); });
+    const bool replaced =
+        std::any_of(layers_.begin(), layers_.end(),
+                    [mesh](const LayerChange& change) { return change.replacedId == mesh->id(); });
     const Layer layer(*mesh);
-    if (!replaced && layer.kind() == kind && !layer.hasFileName()) removedIds_.push_back(mesh->id());
+    if (!replaced && layer.kind() == kind && !layer.hasFileName())
+      removedIds_.push_back(mesh->id());
   }
 }
 
@@ -231,7 +243,8 @@ int Changes::commit() {
   for (MapChange& change : maps_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     if (change.positions.empty()) {
-      Allocator::DeletePerVertexAttribute(mesh.cm, spherePositionAttribute);  // it would be that of an earlier map
+      Allocator::DeletePerVertexAttribute(
+          mesh.cm, spherePositionAttribute);  // it would be that of an earlier map
     } else {
       auto handle = Allocator::GetPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
       for (size_t v = 0; v < change.meshVertex.size(); ++v)
@@ -249,18 +262,21 @@ int Changes::commit() {
       mesh.clearDataMask(MeshModel::MM_VERTTEXCOORD);  // they would be those of an earlier map
     }
     // What stands for a map stands for what is stored, so that it can be told again from the layer.
-    if (const auto root = change.root ? change.root : Layer(mesh).mapFingerprint()) markMesh(mesh.cm, rootMark, *root);
+    if (const auto root = change.root ? change.root : Layer(mesh).mapFingerprint())
+      markMesh(mesh.cm, rootMark, *root);
     mesh.setMeshModified();
     changed |= MeshModel::MM_VERTTEXCOORD;
   }
   for (const MarkChange& change : marks_)
-    markMesh(document_.getMesh(static_cast<unsigned int>(change.layerId))->cm, change.name, change.value);
+    markMesh(document_.getMesh(static_cast<unsigned int>(change.layerId))->cm, change.name,
+             change.value);
   for (const ColorChange& change : colors_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     mesh.updateDataMask(MeshModel::MM_VERTCOLOR);
     for (size_t v = 0; v < change.meshVertex.size(); ++v) {
       const auto row = change.colors.row(static_cast<Eigen::Index>(v));
-      mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].C() = vcg::Color4b(row[0], row[1], row[2], 255);
+      mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].C() =
+          vcg::Color4b(row[0], row[1], row[2], 255);
     }
     mesh.setMeshModified();
     changed |= MeshModel::MM_VERTCOLOR;
@@ -274,7 +290,8 @@ int Changes::commit() {
     changed |= MeshModel::MM_VERTQUALITY;
     if (change.ofFaces) {
       mesh.updateDataMask(MeshModel::MM_FACEQUALITY);
-      Eigen::Index row = 0;  // a surface's faces are the mesh's that are not deleted, in their order
+      Eigen::Index row =
+          0;  // a surface's faces are the mesh's that are not deleted, in their order
       for (CFaceO& face : mesh.cm.face)
         if (!face.IsD()) face.Q() = static_cast<Scalarm>((*change.ofFaces)[row++]);
       changed |= MeshModel::MM_FACEQUALITY;
@@ -283,14 +300,17 @@ int Changes::commit() {
   }
   bool first = true;
   for (LayerChange& change : layers_) {
-    MeshModel* mesh = change.replacedId >= 0 ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
-                                             : document_.addNewMesh("", qt(change.label), false);
+    MeshModel* mesh = change.replacedId >= 0
+                          ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
+                          : document_.addNewMesh("", qt(change.label), false);
     replaceMesh(*mesh, std::move(*change.mesh));
     setMatrix(mesh->cm, change.matrix);
     mesh->setMeshModified();
-    if (first && (firstBecomesCurrent_ || document_.mm() == nullptr)) document_.setCurrentMesh(mesh->id());
+    if (first && (firstBecomesCurrent_ || document_.mm() == nullptr))
+      document_.setCurrentMesh(mesh->id());
     first = false;
-    // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers stayed the same.
+    // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers
+    // stayed the same.
     if (change.replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
   }
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;

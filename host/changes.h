@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What a filter wants to write. Collected while it computes, written in one go when nothing can fail any more: a
-/// filter that throws leaves the document exactly as it was.
+/// What a filter wants to write. Collected while it computes, written in one go when nothing can
+/// fail any more: a filter that throws leaves the document exactly as it was.
 
 #include <map>
 #include <memory>
@@ -26,7 +27,8 @@ struct NewLayer {
   std::map<std::string, Points> pointAttributes;  ///< per vertex
   std::map<std::string, int> marks;               ///< see layers.h
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  std::optional<int> replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
+  std::optional<int>
+      replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
 };
 
 class Changes {
@@ -36,10 +38,11 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
-  /// Stores a map on a layer, as attribute and as texture coordinates, each certified as it is stored. root: the mark
-  /// of the root that it came from; nothing where the layer is a root itself: it gets a mark of its own. Returns what
-  /// the user should know about that; usually nothing: texture coordinates are floats, in some hosts the attribute is
-  /// as well, and where rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when
+  /// Stores a map on a layer, as attribute and as texture coordinates, each certified as it is
+  /// stored. root: the mark of the root that it came from; nothing where the layer is a root
+  /// itself: it gets a mark of its own. Returns what the user should know about that; usually
+  /// nothing: texture coordinates are floats, in some hosts the attribute is as well, and where
+  /// rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when
   /// neither holds the map.
   std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map,
                      std::optional<int> root = {});
@@ -47,37 +50,40 @@ class Changes {
   /// Puts a mark on a layer, see layers.h.
   void setMark(const Layer& layer, const char* name, int value);
 
-  /// Reflects what a layer shows across the plane x = plane, and turns its faces so that they look outward as before,
-  /// with what belongs to their corners; normals are made anew. The matrix stays, unless it flattens the layer: then it
-  /// becomes the identity. A map that is set is that of the mirrored surface.
+  /// Reflects what a layer shows across the plane x = plane, and turns its faces so that they look
+  /// outward as before, with what belongs to their corners; normals are made anew. The matrix
+  /// stays, unless it flattens the layer: then it becomes the identity. A map that is set is that
+  /// of the mirrored surface.
   void mirror(const Layer& layer, double plane);
 
-  /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read as.
+  /// Colours the vertices of a layer. colors: one per vertex of `surface`, which the layer was read
+  /// as.
   void setColors(const Layer& layer, const MeshSurface& surface, Colors colors);
 
-  /// Stores numbers as MeshLab's quality, which its colour ramps, histograms and selections work on.
-  /// ofVertices, ofFaces: one per vertex and one per face of `surface`; without the second, faces keep what they have.
+  /// Stores numbers as MeshLab's quality, which its colour ramps, histograms and selections work
+  /// on. ofVertices, ofFaces: one per vertex and one per face of `surface`; without the second,
+  /// faces keep what they have.
   void setQuality(const Layer& layer, const MeshSurface& surface, Eigen::VectorXd ofVertices,
                   std::optional<Eigen::VectorXd> ofFaces = {});
 
-  /// Adds a layer at the end of the list; or, where the document has a layer of this label and kind, which an earlier
-  /// run made, replaces what that one holds. A file name's ending behind that label is overlooked, but not in layers of
-  /// a model: one that was loaded is there to be compared with.
-  /// Returns whether it takes the place of another one.
+  /// Adds a layer at the end of the list; or, where the document has a layer of this label and
+  /// kind, which an earlier run made, replaces what that one holds. A file name's ending behind
+  /// that label is overlooked, but not in layers of a model: one that was loaded is there to be
+  /// compared with. Returns whether it takes the place of another one.
   bool addLayer(const NewLayer& layer);
 
   /// Removes a layer.
   void removeLayer(const Layer& layer) { removedIds_.push_back(layer.id()); }
 
-  /// Removes the layers of this kind that an earlier run made and this one does not replace. Called after the last
-  /// addLayer. What was loaded from a file, by its name, stays.
+  /// Removes the layers of this kind that an earlier run made and this one does not replace. Called
+  /// after the last addLayer. What was loaded from a file, by its name, stays.
   void removeOtherLayers(LayerKind kind);
 
   /// Makes the first of the new layers the current one (else the current layer stays).
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
 
-  /// Writes everything. Called once, by the plugin, after the filter has returned. Returns what was changed on layers,
-  /// as a mask of the host's.
+  /// Writes everything. Called once, by the plugin, after the filter has returned. Returns what was
+  /// changed on layers, as a mask of the host's.
   int commit();
 
  private:

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// MeshLab's documents and parameters under one name, where its versions differ: what layers.cpp, changes.cpp and
-/// filter_set.cpp need of them. The folders meshlab_2025/ and meshlab_2020/ define it; CMake compiles the host's.
+/// MeshLab's documents and parameters under one name, where its versions differ: what layers.cpp,
+/// changes.cpp and filter_set.cpp need of them. The folders meshlab_2025/ and meshlab_2020/ define
+/// it; CMake compiles the host's.
 
 #ifdef HOST_IS_MESHLAB_2020
 #include <common/filter_parameter/rich_parameter_list.h>
@@ -28,10 +30,12 @@ namespace sphere_propagation::host {
 /// The meshes of a document, in layer order.
 std::vector<const MeshModel*> meshesOf(const MeshDocument& document);
 
-/// A per-vertex point attribute: one row per element of mesh.vert; nothing when the mesh has none of this name.
+/// A per-vertex point attribute: one row per element of mesh.vert; nothing when the mesh has none
+/// of this name.
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name);
 
-/// A per-vertex scalar attribute: one entry per element of mesh.vert; nothing when the mesh has none of this name.
+/// A per-vertex scalar attribute: one entry per element of mesh.vert; nothing when the mesh has
+/// none of this name.
 std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name);
 
 /// The same for a mesh of either constness, for those who define them.
@@ -58,8 +62,9 @@ std::optional<Eigen::VectorXd> copyScalarAttribute(Mesh& mesh, const std::string
   return values;
 }
 
-/// Makes a layer hold what `mesh` holds (vertices, faces, colours, point and scalar attributes) and nothing else, and
-/// updates normals, box and data mask. The layer's matrix, label and visibility stay.
+/// Makes a layer hold what `mesh` holds (vertices, faces, colours, point and scalar attributes) and
+/// nothing else, and updates normals, box and data mask. The layer's matrix, label and visibility
+/// stay.
 void replaceMesh(MeshModel& layer, CMeshO&& mesh);
 
 /// After vertices were moved or faces turned.
@@ -72,14 +77,16 @@ void removeLayer(MeshDocument& document, int id);
 void enableTextureCoordinates(MeshModel& layer);
 
 /// Adds a choice among the document's layers.
-void addLayerParameter(RichParameterList& list, const Parameter& parameter, const MeshDocument& document);
+void addLayerParameter(RichParameterList& list, const Parameter& parameter,
+                       const MeshDocument& document);
 
 /// The id of the layer that was chosen, -1 when there was none to choose.
 int chosenLayerId(const RichParameterList& list, const std::string& name);
 
 inline QString qt(const std::string& s) { return QString::fromStdString(s); }
 
-/// Adds a parameter of any other kind. value: what the constructor of the RichParameter takes after the name.
+/// Adds a parameter of any other kind. value: what the constructor of the RichParameter takes after
+/// the name.
 template <class Rich, class... Value>
 void addRichParameter(RichParameterList& list, const Parameter& p, Value... value) {
 #ifdef HOST_IS_MESHLAB_2020  // it has no advanced parameters

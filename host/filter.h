@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What a filter is, in no host's words. A filter reads layers and parameters, calls vcg_ext, and says what to change;
-/// it never touches the document itself.
+/// What a filter is, in no host's words. A filter reads layers and parameters, calls vcg_ext, and
+/// says what to change; it never touches the document itself.
 
 #include <Eigen/Core>
 #include <functional>
@@ -17,7 +18,14 @@
 namespace sphere_propagation::host {
 
 /// Where MeshLab's menu shows a filter; several at once.
-enum class Menu { Remeshing = 1, Layer = 2, Measure = 4, MeshCreation = 8, VertexColoring = 16, Quality = 32 };
+enum class Menu {
+  Remeshing = 1,
+  Layer = 2,
+  Measure = 4,
+  MeshCreation = 8,
+  VertexColoring = 16,
+  Quality = 32
+};
 inline int operator|(Menu a, Menu b) { return static_cast<int>(a) | static_cast<int>(b); }
 
 /// How many layers a filter works on.
@@ -47,8 +55,8 @@ class Filter {
  public:
   virtual ~Filter() = default;
   virtual FilterDescription describe() const = 0;
-  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube: quick, assumes
-  /// nothing.
+  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube:
+  /// quick, assumes nothing.
   virtual std::vector<Parameter> parameters(const Layers& layers) const = 0;
   /// Throws Error (vcg_ext/base/error.h) with a text for the user.
   virtual Outputs run(Task& task) const = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/filter_set.h"
 
 #include <algorithm>
@@ -17,7 +18,9 @@ void add(RichParameterList& list, const Parameter& parameter, const MeshDocument
     const MeshDocument& document;
     void operator()(bool v) const { addRichParameter<RichBool>(list, p, v); }
     void operator()(int v) const { addRichParameter<RichInt>(list, p, v); }
-    void operator()(double v) const { addRichParameter<RichFloat>(list, p, static_cast<Scalarm>(v)); }
+    void operator()(double v) const {
+      addRichParameter<RichFloat>(list, p, static_cast<Scalarm>(v));
+    }
     void operator()(const std::string& v) const { addRichParameter<RichString>(list, p, qt(v)); }
     void operator()(const Parameter::Choice& v) const {
       QStringList names;
@@ -41,8 +44,12 @@ class RichValues : public ParameterValues {
       : list_(list), parameters_(std::move(parameters)) {}
   bool flag(const std::string& name) const override { return list_.getBool(qt(name)); }
   int integer(const std::string& name) const override { return list_.getInt(qt(name)); }
-  double real(const std::string& name) const override { return static_cast<double>(list_.getFloat(qt(name))); }
-  std::string text(const std::string& name) const override { return list_.getString(qt(name)).toStdString(); }
+  double real(const std::string& name) const override {
+    return static_cast<double>(list_.getFloat(qt(name)));
+  }
+  std::string text(const std::string& name) const override {
+    return list_.getString(qt(name)).toStdString();
+  }
   int choice(const std::string& name) const override {
     const int chosen = list_.getEnum(qt(name));
     for (const Parameter& p : parameters_)
@@ -50,16 +57,20 @@ class RichValues : public ParameterValues {
     return chosen;
   }
   int layerId(const std::string& name) const override { return chosenLayerId(list_, name); }
-  std::string file(const std::string& name) const override { return list_.getOpenFileName(qt(name)).toStdString(); }
-  std::string newFile(const std::string& name) const override { return list_.getSaveFileName(qt(name)).toStdString(); }
+  std::string file(const std::string& name) const override {
+    return list_.getOpenFileName(qt(name)).toStdString();
+  }
+  std::string newFile(const std::string& name) const override {
+    return list_.getSaveFileName(qt(name)).toStdString();
+  }
 
  private:
   // A filter script may hold any number.
   static void requireChoice(const Parameter& p, int chosen) {
     const auto last = static_cast<int>(std::get<Parameter::Choice>(p.value).names.size()) - 1;
     if (chosen < 0 || chosen > last)
-      throw ParameterError(p.name + " is " + std::to_string(chosen) + ", but must be 0 to " + std::to_string(last) +
-                           ".");
+      throw ParameterError(p.name + " is " + std::to_string(chosen) + ", but must be 0 to " +
+                           std::to_string(last) + ".");
   }
 
   const RichParameterList& list_;
@@ -91,11 +102,15 @@ RichParameterList FilterSet::parameters(int index, const MeshDocument& document)
   return list;
 }
 
-int FilterSet::changes() { return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER; }
+int FilterSet::changes() {
+  return MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTNUMBER | MeshModel::MM_FACENUMBER;
+}
 
 FilterSet::Result FilterSet::run(int index, const RichParameterList& values, MeshDocument& document,
-                                 vcg::CallBackPos* callback, const std::function<void(const std::string&)>& log) {
-  if (running_) return {"A filter of this plugin is still running: wait until it has finished.", {}};
+                                 vcg::CallBackPos* callback,
+                                 const std::function<void(const std::string&)>& log) {
+  if (running_)
+    return {"A filter of this plugin is still running: wait until it has finished.", {}};
   struct Running {
     bool& flag;
     explicit Running(bool& f) : flag(f) { flag = true; }
@@ -114,7 +129,8 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const RichValues richValues(values, filter.parameters(layers));
     Task task{layers, richValues, changes, log, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
-    report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab has yet to take in
+    report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab
+                               // has yet to take in
     const int changed = changes.commit();
     return {std::nullopt, std::move(outputs), changed};
   } catch (const Error& error) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/layers.h"
 
 #include <QRegularExpression>
@@ -7,20 +8,24 @@
 
 #include "host/document.h"
 #include "vcg_ext/base/fingerprint.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/sphere_coordinates.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/usable_extent.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/sphere_coordinates.h"
 
 namespace sphere_propagation::host {
 namespace {
 
-/// Faces of a mesh without deleted elements; empty when there are deleted ones, which no layer of ours has.
+/// Faces of a mesh without deleted elements; empty when there are deleted ones, which no layer of
+/// ours has.
 Triangles compactFaces(const CMeshO& mesh) {
-  if (static_cast<size_t>(mesh.fn) != mesh.face.size() || static_cast<size_t>(mesh.vn) != mesh.vert.size()) return {};
+  if (static_cast<size_t>(mesh.fn) != mesh.face.size() ||
+      static_cast<size_t>(mesh.vn) != mesh.vert.size())
+    return {};
   Triangles faces(mesh.fn, 3);
   for (int f = 0; f < mesh.fn; ++f)
-    for (int k = 0; k < 3; ++k) faces(f, k) = static_cast<int>(mesh.face[f].cV(k) - mesh.vert.data());
+    for (int k = 0; k < 3; ++k)
+      faces(f, k) = static_cast<int>(mesh.face[f].cV(k) - mesh.vert.data());
   return faces;
 }
 
@@ -105,11 +110,14 @@ std::optional<Points> Layer::storedPositions(const MeshSurface& surface) const {
 std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
   if (auto positions = attributePositions(surface))
     if (auto map = SphereMap::ifValid(surface.surface, std::move(*positions))) return map;
-  if (auto positions = texturePositions(surface)) return SphereMap::ifValid(surface.surface, std::move(*positions));
+  if (auto positions = texturePositions(surface))
+    return SphereMap::ifValid(surface.surface, std::move(*positions));
   return std::nullopt;
 }
 
-bool Layer::hasAttribute() const { return pointAttribute(mesh_->cm, spherePositionAttribute).has_value(); }
+bool Layer::hasAttribute() const {
+  return pointAttribute(mesh_->cm, spherePositionAttribute).has_value();
+}
 
 std::optional<int> Layer::mark(const char* name) const {
   const auto values = scalarAttribute(mesh_->cm, name);
@@ -143,11 +151,14 @@ std::optional<int> Layer::mapFingerprint() const {
   }
   for (const CFaceO& face : mesh.face)
     if (!face.IsD())
-      for (int k = 0; k < 3; ++k) fingerprint.add(number[static_cast<size_t>(face.cV(k) - mesh.vert.data())]);
+      for (int k = 0; k < 3; ++k)
+        fingerprint.add(number[static_cast<size_t>(face.cV(k) - mesh.vert.data())]);
   return fingerprint.short24();
 }
 
-bool Layer::storesPositions() const { return hasAttribute() || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD); }
+bool Layer::storesPositions() const {
+  return hasAttribute() || mesh_->hasDataMask(MeshModel::MM_VERTTEXCOORD);
+}
 
 bool Layer::hasMap() const {
   if (!storesPositions()) return false;
@@ -170,7 +181,8 @@ Points Layer::storedVertices(const MeshSurface& surface) const {
 std::optional<int> Layer::icosphereFrequency() const { return frequencyOf(mesh_->cm); }
 
 double Layer::enclosedVolume() const {
-  // From the centre of the box: coordinates of a scanner may be far from the origin, and a hole then costs little.
+  // From the centre of the box: coordinates of a scanner may be far from the origin, and a hole
+  // then costs little.
   const CMeshO& mesh = mesh_->cm;
   vcg::Box3<Scalarm> box;
   for (const CVertexO& v : mesh.vert)
@@ -199,7 +211,8 @@ std::optional<Colors> Layer::colors(const MeshSurface& surface) const {
 
 Layer Layers::current() const {
   if (document_.mm() == nullptr)
-    throw ParameterError("The project has no layer. Load a closed triangle mesh first (File, Import Mesh).");
+    throw ParameterError(
+        "The project has no layer. Load a closed triangle mesh first (File, Import Mesh).");
   return Layer(*document_.mm());
 }
 
@@ -231,9 +244,8 @@ std::vector<Layer> Layers::visibleSurfaces() const {
   std::vector<Layer> found = visible(LayerKind::Surface);
   if (found.empty())
     throw ParameterError(
-        "No surface layer is visible. Load closed triangle meshes, or show them in the layer dialog; layers of "
-        "landmarks, "
-        "of spheres and of shape models do not count.");
+        "No surface layer is visible. Load closed triangle meshes, or show them in the layer "
+        "dialog; layers of landmarks, of spheres and of shape models do not count.");
   return found;
 }
 

@@ -1,34 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The layers of a document as the filters see them: what kind each is, its surface, and the map that it carries.
+/// The layers of a document as the filters see them: what kind each is, its surface, and the map
+/// that it carries.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "vcg_ext/base/colors.h"
-#include "vcg_ext/map/sphere_map.h"
+#include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/vcg_conversion.h"
+#include "vcg_ext/sphere/sphere_map.h"
 
 class MeshDocument;
 class MeshModel;
 
 namespace sphere_propagation::host {
 
-/// Where the map lives on a mesh: a point attribute per vertex, and the texture coordinates (which files keep).
+/// Where the map lives on a mesh: a point attribute per vertex, and the texture coordinates (which
+/// files keep).
 constexpr const char* spherePositionAttribute = "sphere_position";
 
-/// Marks: numbers that a layer carries from one filter to the next, 1 to 2^24 - 1. A mark is a scalar attribute with
-/// one value for all vertices: it goes where the map's attribute goes, also where MeshLab copies a mesh, which loses
-/// what is stored once per mesh; and it is gone where that one is gone, as in files and in layers that MeshLab's filter
-/// duplicates.
+/// Marks: numbers that a layer carries from one filter to the next, 1 to 2^24 - 1. A mark is a
+/// scalar attribute with one value for all vertices: it goes where the map's attribute goes, also
+/// where MeshLab copies a mesh, which loses what is stored once per mesh; and it is gone where that
+/// one is gone, as in files and in layers that MeshLab's filter duplicates.
 ///
-/// Which root a map came from: the fingerprint of the root's own map, on the root and on all layers that its map was
-/// handed to; on landmark layers that of the map that they were sampled from.
+/// Which root a map came from: the fingerprint of the root's own map, on the root and on all layers
+/// that its map was handed to; on landmark layers that of the map that they were sampled from.
 constexpr const char* rootMark = "sphere_root";
 /// On landmark layers: the fingerprint of the map that they were sampled from.
 constexpr const char* sampledMapMark = "sphere_map";
 
-/// What a layer is, told from what it holds, so that nothing need be hidden by hand and files loaded again are known.
+/// What a layer is, told from what it holds, so that nothing need be hidden by hand and files
+/// loaded again are known.
 enum class LayerKind {
   Surface,    ///< anything else: what maps are made for
   Landmarks,  ///< its face list is the icosphere's of its size
@@ -46,40 +50,47 @@ class Layer {
 
   int id() const;
   std::string label() const;
-  /// The label without a file name's ending, and " suffix" behind it: what a layer made from this one is called.
+  /// The label without a file name's ending, and " suffix" behind it: what a layer made from this
+  /// one is called.
   std::string derivedLabel(const std::string& suffix) const;
-  /// The label without what MeshLab appends to the second layer of a name, "(1)", and without a file name's ending.
+  /// The label without what MeshLab appends to the second layer of a name, "(1)", and without a
+  /// file name's ending.
   std::string plainLabel() const;
   /// Whether the label ends as a file's name does.
   bool hasFileName() const;
   bool visible() const;
   LayerKind kind() const;
 
-  /// The layer's geometry: its matrix times its vertices. Throws SurfaceError, which names the layer.
+  /// The layer's geometry: its matrix times its vertices. Throws SurfaceError, which names the
+  /// layer.
   MeshSurface surface() const;
-  /// The map that the layer carries: the attribute, else the texture coordinates, whichever certifies as a map of this
-  /// surface; ordinary texture coordinates do not, and are no map.
+  /// The map that the layer carries: the attribute, else the texture coordinates, whichever
+  /// certifies as a map of this surface; ordinary texture coordinates do not, and are no map.
   std::optional<SphereMap> map(const MeshSurface& surface) const;
-  /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the attribute where
-  /// there is one, else the texture coordinates; empty when it has neither. For measurements.
+  /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the
+  /// attribute where there is one, else the texture coordinates; empty when it has neither. For
+  /// measurements.
   std::optional<Points> storedPositions(const MeshSurface& surface) const;
   /// Whether it has the attribute of a map, valid or not.
   bool hasAttribute() const;
   /// The number of a mark; nothing where the layer has none, or more than one.
   std::optional<int> mark(const char* name) const;
-  /// Stands for what is stored as the layer's map, valid or not, and for its faces; nothing where nothing is stored.
+  /// Stands for what is stored as the layer's map, valid or not, and for its faces; nothing where
+  /// nothing is stored.
   std::optional<int> mapFingerprint() const;
-  /// Whether anything is stored where a map would be: the attribute, or texture coordinates of any kind.
+  /// Whether anything is stored where a map would be: the attribute, or texture coordinates of any
+  /// kind.
   bool storesPositions() const;
   /// Whether it carries a map; quick, and false where the layer is no closed surface.
   bool hasMap() const;
-  /// The vertices as they are stored, without the layer's matrix (#V by 3, in the surface's numbering): those of a
-  /// sphere layer lie on the unit sphere wherever it is shown.
+  /// The vertices as they are stored, without the layer's matrix (#V by 3, in the surface's
+  /// numbering): those of a sphere layer lie on the unit sphere wherever it is shown.
   Points storedVertices(const MeshSurface& surface) const;
-  /// The frequency of the icosphere whose face list the layer has: landmark layers, and what the shape model made.
+  /// The frequency of the icosphere whose face list the layer has: landmark layers, and what the
+  /// shape model made.
   std::optional<int> icosphereFrequency() const;
-  /// What the faces enclose with the centre of the box, whatever is wrong with them: the volume where the layer is
-  /// closed. Quick, and finite; 0 where no volume can be told.
+  /// What the faces enclose with the centre of the box, whatever is wrong with them: the volume
+  /// where the layer is closed. Quick, and finite; 0 where no volume can be told.
   double enclosedVolume() const;
   /// Red, green, blue of each vertex of the surface, if the layer has colours of its own.
   std::optional<Colors> colors(const MeshSurface& surface) const;

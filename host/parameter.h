@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The parameters of a filter, in no host's words.
 
@@ -29,7 +30,8 @@ struct Parameter {
   std::string name;   ///< lower_snake, what scripts say
   std::string label;  ///< what the dialog says
   std::string help;   ///< the tooltip: one or two sentences, with unit and range
-  std::variant<bool, int, double, std::string, Choice, LayerId, File, NewFile> value;  ///< the default
+  std::variant<bool, int, double, std::string, Choice, LayerId, File, NewFile>
+      value;  ///< the default
   bool advanced = false;
   std::string note = {};  ///< a remark on this project, which the dialog shows with the label
 

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Starts `sphere-propagation`.
 
 It lies outside the package because importing that loads PyMeshLab: what can go wrong there is to be said without a traceback, too.
 """
+
 import os
 import sys
 
@@ -10,6 +12,7 @@ def main() -> int:
     try:
         try:
             from sphere_propagation.command import main as run
+
             return run()
         finally:
             sys.stdout.flush()  # here, and not when Python ends, it is to show that nobody reads any more

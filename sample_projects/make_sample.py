@@ -1,5 +1,7 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Writes the sample: five phases of a small beating ventricle, as they come from a segmentation and as they end. Run by
 scripts/make-sample."""
+
 import dataclasses
 import shutil
 import sys
@@ -14,7 +16,10 @@ from sphere_propagation.views import Row, upright
 surfaces = sp.make_phantom(phases=5, voxel_size=3.5)
 # Upright and towards the camera, as MeshLab looks at it; all by the same rotation.
 rotation = upright(surfaces[0].vertices, (0, 0, 1))
-surfaces = [dataclasses.replace(surface, name=f"ventricle {i}", vertices=surface.vertices @ rotation.T) for i, surface in enumerate(surfaces)]
+surfaces = [
+    dataclasses.replace(surface, name=f"ventricle {i}", vertices=surface.vertices @ rotation.T)
+    for i, surface in enumerate(surfaces)
+]
 result = sp.correspond(surfaces, root=0, order="Cyclic time", frequency=5)
 
 # To work on: surfaces, nothing else.

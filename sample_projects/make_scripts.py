@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Writes the filter scripts for meshlabserver, main_job.mlx and the others, from what the plugins say of themselves:
 
     python make_scripts.py FOLDER_OF_PLUGINS [FOLDER]
@@ -5,6 +6,7 @@
 meshlabserver wants every parameter of a filter in a script, so these hold them all, but for what VARIANTS names with their defaults; a
 test compares them with the plugins'.
 """
+
 import sys
 import tempfile
 import xml.etree.ElementTree as xml
@@ -26,17 +28,28 @@ ROOT_IS_THE_FIRST_LAYER = """\
 """
 VARIANTS = {  # the filters, and {parameter of a filter: value} where it is not the default
     "main_job.mlx": ([ROOT, PROPAGATE, REMESH], {}),
-    "main_job_as_published.mlx": ([ROOT, PROPAGATE, REMESH], {(ROOT, "initial_map"): "Brechbuehler", (PROPAGATE, "method"): "As published"}),
-    "label_volume_to_model.mlx": ([IMPORT, ROOT, PROPAGATE, REMESH, MODEL],
-                                  {(IMPORT, "file_name"): "labels.nii.gz", (PROPAGATE, "order"): "Cyclic time",
-                                   (MODEL, "export_file"): "model.npz"}),
+    "main_job_as_published.mlx": (
+        [ROOT, PROPAGATE, REMESH],
+        {(ROOT, "initial_map"): "Brechbuehler", (PROPAGATE, "method"): "As published"},
+    ),
+    "label_volume_to_model.mlx": (
+        [IMPORT, ROOT, PROPAGATE, REMESH, MODEL],
+        {
+            (IMPORT, "file_name"): "labels.nii.gz",
+            (PROPAGATE, "order"): "Cyclic time",
+            (MODEL, "export_file"): "model.npz",
+        },
+    ),
 }
 
 
 def write_ball(path):
     """A label volume of two phases, as MetaImage."""
     size, centre = 12, 5.5
-    inside = [sum((x - centre) ** 2 for x in voxel) < 20 for voxel in ((i, j, k) for k in range(size) for j in range(size) for i in range(size))]
+    inside = [
+        sum((x - centre) ** 2 for x in voxel) < 20
+        for voxel in ((i, j, k) for k in range(size) for j in range(size) for i in range(size))
+    ]
     head = f"ObjectType = Image\nNDims = 4\nDimSize = {size} {size} {size} 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
     Path(path).write_bytes(head.encode() + 2 * bytes(inside))
 
@@ -48,16 +61,23 @@ def defaults():
     with tempfile.TemporaryDirectory() as folder:
         write_ball(f"{folder}/ball.mha")
         for name in job:
-            meshes.apply_filter(name, **({"file_name": f"{folder}/ball.mha"} if name == IMPORT else {}))
+            meshes.apply_filter(
+                name, **({"file_name": f"{folder}/ball.mha"} if name == IMPORT else {})
+            )
         meshes.save_filter_script(f"{folder}/job.mlx")
         filters = xml.parse(f"{folder}/job.mlx").getroot().findall("filter")
-    return {name: (f.get("name"), [dict(p.attrib) for p in f]) for name, f in zip(job, filters, strict=True)}
+    return {
+        name: (f.get("name"), [dict(p.attrib) for p in f])
+        for name, f in zip(job, filters, strict=True)
+    }
 
 
 def script(job, changed):
     """The text of a filter script. changed: {(python name of a filter, parameter): choice or text} instead of the default."""
     known = defaults()
-    lines = ["<!DOCTYPE FilterScript>\n<FilterScript>\n"] + [ROOT_IS_THE_FIRST_LAYER] * (job[0] == ROOT)
+    lines = ["<!DOCTYPE FilterScript>\n<FilterScript>\n"] + [ROOT_IS_THE_FIRST_LAYER] * (
+        job[0] == ROOT
+    )
     for name in job:
         menu_name, parameters = known[name]
         lines.append(f' <filter name="{menu_name}">\n')
@@ -66,9 +86,16 @@ def script(job, changed):
                 value = changed[name, p["name"]]
                 choices = [p[f"enum_val{i}"] for i in range(int(p.get("enum_cardinality", 0)))]
                 p["value"] = str(choices.index(value)) if choices else value
-            order = ["type", "name", "value", *sorted(k for k in p if k.startswith(("enum", "exts")))]
+            order = [
+                "type",
+                "name",
+                "value",
+                *sorted(k for k in p if k.startswith(("enum", "exts"))),
+            ]
             element = xml.Element("Param", {k: p[k] for k in order})
-            lines.append("  " + xml.tostring(element, encoding="unicode").replace(" />", "/>") + "\n")
+            lines.append(
+                "  " + xml.tostring(element, encoding="unicode").replace(" />", "/>") + "\n"
+            )
         lines.append(" </filter>\n")
     return "".join(lines) + "</FilterScript>\n"
 

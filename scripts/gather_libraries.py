@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
 """Copies the shared libraries that a plugin needs and that not every machine has into a folder: gather_libraries.py PLUGIN FOLDER
 
 Those that check_wheel.py calls PyMeshLab's or the system's stay where they are. The copies are byte for byte those of the system: the
 plugin's RPATH, $ORIGIN/lib, leads to all of them, also to those that they need. What their packages say of copyright goes beside them.
 """
+
 import gzip
 import re
 import shutil
@@ -48,7 +50,9 @@ def packages_of(paths):
                 found.add(re.split(r"[:,]", owner.stdout)[0])
                 break
         else:
-            sys.exit(f"error: {path} belongs to no package, so that its licence is not known: it cannot go into a wheel.")
+            sys.exit(
+                f"error: {path} belongs to no package, so that its licence is not known: it cannot go into a wheel."
+            )
     return sorted(found)
 
 
@@ -59,7 +63,11 @@ def write_licence(package, path):
     parts = [HEAD.format(package=package, source=about[0], version=about[1])]
     for name in ("copyright", "NOTICE.gz"):
         if (folder / name).is_file():
-            parts.append((gzip.open if name.endswith(".gz") else open)(folder / name, "rt", encoding="utf-8", errors="replace").read())
+            parts.append(
+                (gzip.open if name.endswith(".gz") else open)(
+                    folder / name, "rt", encoding="utf-8", errors="replace"
+                ).read()
+            )
     for name in sorted({"Apache-2.0", *re.findall(r"common-licenses/([\w.-]*\w)", parts[1])}):
         parts.append((COMMON_LICENCES / name).read_text())
     path.write_text(("\n" + 79 * "=" + "\n\n").join(parts))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 # Set-up shared by the scripts in this folder; source it under `set -euo pipefail`.
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how

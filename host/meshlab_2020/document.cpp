@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/document.h"
 
 #include <algorithm>
@@ -17,8 +18,10 @@ std::vector<std::string> attributes(CMeshO& mesh) {
 /// Makes `mesh` have the attributes of this type that `model` has, and no others.
 template <class Value>
 void enableAttributesOf(CMeshO& model, CMeshO& mesh) {
-  for (const std::string& name : attributes<Value>(mesh)) Allocator::DeletePerVertexAttribute(mesh, name);
-  for (const std::string& name : attributes<Value>(model)) Allocator::AddPerVertexAttribute<Value>(mesh, name);
+  for (const std::string& name : attributes<Value>(mesh))
+    Allocator::DeletePerVertexAttribute(mesh, name);
+  for (const std::string& name : attributes<Value>(model))
+    Allocator::AddPerVertexAttribute<Value>(mesh, name);
 }
 
 }  // namespace
@@ -28,7 +31,8 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
 }
 
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name) {
-  return copyPointAttribute(const_cast<CMeshO&>(mesh), name);  // this VCG reads those of meshes that may change only
+  return copyPointAttribute(const_cast<CMeshO&>(mesh),
+                            name);  // this VCG reads those of meshes that may change only
 }
 
 std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name) {
@@ -37,8 +41,9 @@ std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::st
 
 void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   // Meshes of this VCG can be copied only, and only into what is there.
-  constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTFLAG |
-                         MeshModel::MM_FACEVERT | MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
+  constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL |
+                         MeshModel::MM_VERTFLAG | MeshModel::MM_FACEVERT |
+                         MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
   layer.clearDataMask(layer.dataMask() & ~always);
   layer.cm.Clear();
   enableAttributesOf<Point3m>(mesh, layer.cm);
@@ -46,7 +51,8 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
   vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
   layer.cm.svn = layer.cm.sfn = 0;
   layer.UpdateBoxAndNormals();
-  layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
+  layer.updateDataMask(MeshModel::MM_VERTCOLOR |
+                       MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
 }
 
 void updateBoxAndNormals(MeshModel& layer) { layer.UpdateBoxAndNormals(); }
@@ -54,20 +60,23 @@ void updateBoxAndNormals(MeshModel& layer) { layer.UpdateBoxAndNormals(); }
 void removeLayer(MeshDocument& document, int id) { document.delMesh(document.getMesh(id)); }
 
 void enableTextureCoordinates(MeshModel& layer) {
-  // meshlabserver -w takes a layer's data mask for a mask of file contents, in which the bit of MM_VERTMARK means
-  // texture coordinates per vertex.
+  // meshlabserver -w takes a layer's data mask for a mask of file contents, in which the bit of
+  // MM_VERTMARK means texture coordinates per vertex.
   static_assert(static_cast<int>(MeshModel::MM_VERTMARK) == 0x20);
   layer.updateDataMask(MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTMARK);
 }
 
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   if (document.meshList.empty()) return;  // MeshLab's widget wants a layer to show
-  // This MeshLab means places in the list, not ids, and takes no constant document, which it does not change.
+  // This MeshLab means places in the list, not ids, and takes no constant document, which it does
+  // not change.
   const int id = std::get<Parameter::LayerId>(p.value).id;
   const auto begin = document.meshList.begin(), end = document.meshList.end();
-  const auto found = std::find_if(begin, end, [id](const MeshModel* mesh) { return mesh->id() == id; });
+  const auto found =
+      std::find_if(begin, end, [id](const MeshModel* mesh) { return mesh->id() == id; });
   const auto place = static_cast<int>(found == end ? 0 : found - begin);
-  list.addParam(RichMesh(qt(p.name), place, const_cast<MeshDocument*>(&document), qt(p.dialogLabel()), qt(p.help)));
+  list.addParam(RichMesh(qt(p.name), place, const_cast<MeshDocument*>(&document),
+                         qt(p.dialogLabel()), qt(p.help)));
 }
 
 int chosenLayerId(const RichParameterList& list, const std::string& name) {

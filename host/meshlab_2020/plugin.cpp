@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/meshlab_2020/plugin.h"
 
 #include <QAction>
@@ -9,7 +10,8 @@ Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters)
     : name_(name), filters_(std::move(filters)) {
   for (int id = 0; id < filters_.size(); ++id) {
     typeList.push_back(id);
-    actionList.push_back(new QAction(filterName(id), this));  // the host finds the plugin as an action's parent
+    actionList.push_back(
+        new QAction(filterName(id), this));  // the host finds the plugin as an action's parent
   }
 }
 
@@ -44,8 +46,8 @@ void Plugin::initParameterSet(QAction* action, MeshDocument& document, RichParam
 
 bool Plugin::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& values,
                          vcg::CallBackPos* callback) {
-  const FilterSet::Result result =
-      filters_.run(ID(action), values, document, callback, [this](const std::string& line) { Log(line); });
+  const FilterSet::Result result = filters_.run(ID(action), values, document, callback,
+                                                [this](const std::string& line) { Log(line); });
   if (!result.failure) return true;
   errorMessage = qt(*result.failure);
   Log(*result.failure);  // meshlabserver prints the log, not the message

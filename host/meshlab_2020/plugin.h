@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The plugin as MeshLab 2020.09 and its meshlabserver see it. They catch no exception but std::bad_alloc in the GUI:
-/// errors are told by `false` and errorMessage.
+/// The plugin as MeshLab 2020.09 and its meshlabserver see it. They catch no exception but
+/// std::bad_alloc in the GUI: errors are told by `false` and errorMessage.
 
 #include <common/interfaces.h>
 
@@ -21,7 +22,9 @@ class Plugin : public QObject, public MeshFilterInterface {
 
   QString pluginName() const override { return name_; }
   QString filterName(FilterIDType id) const override { return qt(filters_.description(id).name); }
-  QString filterScriptFunctionName(FilterIDType id) override { return qt(filters_.description(id).pythonName); }
+  QString filterScriptFunctionName(FilterIDType id) override {
+    return qt(filters_.description(id).pythonName);
+  }
   QString filterInfo(FilterIDType id) const override { return qt(filters_.description(id).info); }
   FilterClass getClass(QAction* action) override;
   FILTER_ARITY filterArity(QAction* action) const override;

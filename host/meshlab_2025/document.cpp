@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/document.h"
 
 #include <algorithm>
@@ -6,8 +7,9 @@
 namespace sphere_propagation::host {
 namespace {
 
-/// An attribute refers to the vertices that it was made for, and a mesh that is moved does not tell it that they are
-/// now another mesh's: MeshLab's own filters would read freed memory. So it is made again.
+/// An attribute refers to the vertices that it was made for, and a mesh that is moved does not tell
+/// it that they are now another mesh's: MeshLab's own filters would read freed memory. So it is
+/// made again.
 template <class Value>
 void renewAttributes(CMeshO& mesh) {
   using Allocator = vcg::tri::Allocator<CMeshO>;
@@ -50,14 +52,18 @@ void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
 
 void updateBoxAndNormals(MeshModel& layer) { layer.updateBoxAndNormals(); }
 
-void removeLayer(MeshDocument& document, int id) { document.delMesh(static_cast<unsigned int>(id)); }
+void removeLayer(MeshDocument& document, int id) {
+  document.delMesh(static_cast<unsigned int>(id));
+}
 
-void enableTextureCoordinates(MeshModel& layer) { layer.updateDataMask(MeshModel::MM_VERTTEXCOORD); }
+void enableTextureCoordinates(MeshModel& layer) {
+  layer.updateDataMask(MeshModel::MM_VERTTEXCOORD);
+}
 
 void addLayerParameter(RichParameterList& list, const Parameter& p, const MeshDocument& document) {
   const int id = std::get<Parameter::LayerId>(p.value).id;
-  list.addParam(RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document, qt(p.dialogLabel()),
-                         qt(p.help), p.advanced));
+  list.addParam(RichMesh(qt(p.name), static_cast<unsigned int>(std::max(id, 0)), &document,
+                         qt(p.dialogLabel()), qt(p.help), p.advanced));
 }
 
 int chosenLayerId(const RichParameterList& list, const std::string& name) {

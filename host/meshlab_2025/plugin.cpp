@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "host/meshlab_2025/plugin.h"
 
 #include <QAction>
@@ -19,7 +20,8 @@ Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters)
     : name_(name), filters_(std::move(filters)) {
   for (int id = 0; id < filters_.size(); ++id) {
     typeList.push_back(id);
-    actionList.push_back(new QAction(filterName(id), this));  // the GUI finds the plugin as an action's parent
+    actionList.push_back(
+        new QAction(filterName(id), this));  // the GUI finds the plugin as an action's parent
   }
 }
 
@@ -52,13 +54,16 @@ RichParameterList Plugin::initParameterList(const QAction* action, const MeshDoc
   return filters_.parameters(ID(action), document);
 }
 
-std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action, const RichParameterList& values,
-                                                    MeshDocument& document, unsigned int& postConditionMask,
+std::map<std::string, QVariant> Plugin::applyFilter(const QAction* action,
+                                                    const RichParameterList& values,
+                                                    MeshDocument& document,
+                                                    unsigned int& postConditionMask,
                                                     vcg::CallBackPos* callback) {
-  const FilterSet::Result result =
-      filters_.run(ID(action), values, document, callback, [this](const std::string& line) { log(line); });
+  const FilterSet::Result result = filters_.run(ID(action), values, document, callback,
+                                                [this](const std::string& line) { log(line); });
   if (result.failure) {
-    // PyMeshLab leaves the log of a MeshSet with the plugin when a filter throws, also after that MeshSet is gone.
+    // PyMeshLab leaves the log of a MeshSet with the plugin when a filter throws, also after that
+    // MeshSet is gone.
     setLog(nullptr);
     throw MLException(qt(*result.failure));
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The plugin as MeshLab and PyMeshLab since 2021 see it. Errors reach them as MLException.
 
@@ -22,7 +23,9 @@ class Plugin : public QObject, public FilterPlugin {
   QString pluginName() const override { return name_; }
   QString vendor() const override { return "Sphere Propagation"; }
   QString filterName(ActionIDType id) const override { return qt(filters_.description(id).name); }
-  QString pythonFilterName(ActionIDType id) const override { return qt(filters_.description(id).pythonName); }
+  QString pythonFilterName(ActionIDType id) const override {
+    return qt(filters_.description(id).pythonName);
+  }
   QString filterInfo(ActionIDType id) const override { return qt(filters_.description(id).info); }
   FilterClass getClass(const QAction* action) const override;
   FilterArity filterArity(const QAction* action) const override;
@@ -30,8 +33,10 @@ class Plugin : public QObject, public FilterPlugin {
   int getPreConditions(const QAction*) const override { return MeshModel::MM_NONE; }
   int postCondition(const QAction*) const override { return FilterSet::changes(); }
   RichParameterList initParameterList(const QAction* action, const MeshDocument& document) override;
-  std::map<std::string, QVariant> applyFilter(const QAction* action, const RichParameterList& values,
-                                              MeshDocument& document, unsigned int& postConditionMask,
+  std::map<std::string, QVariant> applyFilter(const QAction* action,
+                                              const RichParameterList& values,
+                                              MeshDocument& document,
+                                              unsigned int& postConditionMask,
                                               vcg::CallBackPos* callback) override;
 
  private:

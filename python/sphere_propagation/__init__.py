@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Spherical maps of closed anatomical surfaces, propagated over layers and resampled by an icosphere.
 
 Importing this package makes PyMeshLab know the plugin's filters, and offers them as functions on arrays:
@@ -9,12 +10,31 @@ Importing this package makes PyMeshLab know the plugin's filters, and offers the
     result.landmarks[t, j]                               # landmark j at phase t: the same place for all t
     model = sp.shape_model(result.landmarks, result.landmark_faces)
 """
+
 from . import plugin as _plugin
 from .correspondence import Correspondence, correspond
-from .errors import FileError, FilterError, InputError, PluginError, SpherePropagationError, SpherePropagationWarning
+from .errors import (
+    FileError,
+    FilterError,
+    InputError,
+    PluginError,
+    SpherePropagationError,
+    SpherePropagationWarning,
+)
 from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
-from .filters import (LabelSurfaces, Landmarks, Propagation, evaluate, make_phantom, map_colors, parameterise_root, propagate,
-                      read_label_volume, remesh, shape_model)
+from .filters import (
+    LabelSurfaces,
+    Landmarks,
+    Propagation,
+    evaluate,
+    make_phantom,
+    map_colors,
+    parameterise_root,
+    propagate,
+    read_label_volume,
+    remesh,
+    shape_model,
+)
 from .model import ShapeModel
 from .nifti import write_nifti
 from .phantom import Ventricle
@@ -23,10 +43,38 @@ from .sphere_map import SphereMap
 from .surface import Surface
 from .version import version as _version
 
-__all__ = ["Correspondence", "FileError", "FilterError", "InputError", "LabelSurfaces", "Landmarks", "PluginError", "Propagation",
-           "ShapeModel", "SpherePropagationError", "SpherePropagationWarning", "SphereMap", "Surface", "Ventricle", "correspond", "evaluate",
-           "make_phantom", "map_colors", "mesh_files", "parameterise_root", "propagate", "read_label_volume", "read_map", "read_mesh",
-           "read_meshes", "remesh", "shape_model", "write_layers", "write_nifti", "write_ply"]
+__all__ = [
+    "Correspondence",
+    "FileError",
+    "FilterError",
+    "InputError",
+    "LabelSurfaces",
+    "Landmarks",
+    "PluginError",
+    "Propagation",
+    "ShapeModel",
+    "SpherePropagationError",
+    "SpherePropagationWarning",
+    "SphereMap",
+    "Surface",
+    "Ventricle",
+    "correspond",
+    "evaluate",
+    "make_phantom",
+    "map_colors",
+    "mesh_files",
+    "parameterise_root",
+    "propagate",
+    "read_label_volume",
+    "read_map",
+    "read_mesh",
+    "read_meshes",
+    "remesh",
+    "shape_model",
+    "write_layers",
+    "write_nifti",
+    "write_ply",
+]
 __version__ = _version()
 
 _plugin.register()

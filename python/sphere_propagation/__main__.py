@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """python -m sphere_propagation"""
+
 import sys
 
 from .command import main

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Colours that make maps visible: red, green, blue in [0, 1], one row per vertex."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -11,17 +13,21 @@ def landmark_colors(count: int) -> np.ndarray:
 
 
 def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.ndarray:
-    """The checkerboard of vcg_ext/map/sphere_pattern.h, for pictures that show it sharp: longitude in turns, latitude in quarter
+    """The checkerboard of vcg_ext/display/sphere_pattern.h, for pictures that show it sharp: longitude in turns, latitude in quarter
     turns (-1 south pole, 1 north pole); `cells` fields from pole to pole, every other one darker by `shade`.
 
     The hue turns once with the longitude and fades towards the poles: light in the north, dark in the south.
     """
-    longitude, latitude = np.broadcast_arrays(np.asarray(longitude, float), np.asarray(latitude, float))
+    longitude, latitude = np.broadcast_arrays(
+        np.asarray(longitude, float), np.asarray(latitude, float)
+    )
     hue = 0.66 + 0.32 * np.cos(2 * np.pi * (longitude[..., None] - np.array([0.02, 0.36, 0.66])))
     pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
     fading = np.abs(latitude)[..., None] ** 3
     around = 2 * ((3 * cells + 3) // 4)
-    dark = (np.floor(longitude % 1 * around) + np.floor((1 - latitude) / 2 * cells * (1 - 1e-12))) % 2
+    dark = (
+        np.floor(longitude % 1 * around) + np.floor((1 - latitude) / 2 * cells * (1 - 1e-12))
+    ) % 2
     return ((1 - fading) * hue + fading * pole) * (1 - shade * dark[..., None])
 
 

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The command line; see `sphere-propagation --help`."""
+
 from __future__ import annotations
 
 import argparse
@@ -55,7 +57,7 @@ def _with_parents(arguments: Sequence[str]) -> List[str]:
     words = list(arguments)
     for i in range(len(words) - 1, 0, -1):
         if words[i - 1] == "--parents" and re.match(r"-\d", words[i]):
-            words[i - 1:i + 1] = [f"--parents={words[i]}"]
+            words[i - 1 : i + 1] = [f"--parents={words[i]}"]
     return words
 
 
@@ -68,15 +70,29 @@ def _words(error: BaseException) -> str:
 
 
 def _run(options, make_progress) -> int:
-    return _report(options.output, jobs.run_meshes(options.meshes, options.output, options.name, _choices(options), make_progress))
+    return _report(
+        options.output,
+        jobs.run_meshes(
+            options.meshes, options.output, options.name, _choices(options), make_progress
+        ),
+    )
 
 
 def _demo(options, make_progress) -> int:
     if options.input:
-        runs = jobs.run_meshes([options.input], options.folder, None, _choices(options), make_progress)
+        runs = jobs.run_meshes(
+            [options.input], options.folder, None, _choices(options), make_progress
+        )
     else:
         voxel_size = 2.0 if options.voxel_size is None else options.voxel_size
-        runs = jobs.run_phantom(options.folder, _choices(options), options.phases, voxel_size, options.seed, make_progress)
+        runs = jobs.run_phantom(
+            options.folder,
+            _choices(options),
+            options.phases,
+            voxel_size,
+            options.seed,
+            make_progress,
+        )
     return _report(options.folder, runs)
 
 
@@ -84,21 +100,37 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
     folder = Path(output)
     print(f"\n{report.summary(runs)}\n\nIn {folder.resolve()}:")
     for data in dict.fromkeys(run.data for run in runs):
-        print(f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at")
+        print(
+            f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at"
+        )
         if (folder / data / "model.npz").exists():
-            print(f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its scores, and how good it is")
-    print("  figures.csv: one row per layer" + ("    *.png: pictures" if any(folder.glob("*.png")) else ""))
+            print(
+                f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its scores, and how good it is"
+            )
+    print(
+        "  figures.csv: one row per layer"
+        + ("    *.png: pictures" if any(folder.glob("*.png")) else "")
+    )
     print(f"  {gallery.PAGE}: everything on one page, for a browser")
     return 0
 
 
 def _info(options, make_progress) -> int:
-    extras = {name: "installed" if find_spec(name) else "not installed (pip install 'sphere-propagation[pictures]')"
-              for name in pictures.NEEDED}
+    extras = {
+        name: "installed"
+        if find_spec(name)
+        else "not installed (pip install 'sphere-propagation[pictures]')"
+        for name in pictures.NEEDED
+    }
     before = "loaded before this package"
-    facts = {"sphere-propagation": version.version(), "plugin": plugin.loaded() or before,
-             "label volumes": plugin.volume_failure() or plugin.loaded(plugin.VOLUME_LIBRARY) or before,
-             "pymeshlab": plugin.pymeshlab_version() or "of unknown version", "python": platform.python_version(), **extras}
+    facts = {
+        "sphere-propagation": version.version(),
+        "plugin": plugin.loaded() or before,
+        "label volumes": plugin.volume_failure() or plugin.loaded(plugin.VOLUME_LIBRARY) or before,
+        "pymeshlab": plugin.pymeshlab_version() or "of unknown version",
+        "python": platform.python_version(),
+        **extras,
+    }
     for name, fact in facts.items():
         print(f"{name:20}{fact}")
     print("\n  ".join(["filters", *plugin.filters()]))
@@ -107,43 +139,118 @@ def _info(options, make_progress) -> int:
 
 def _choices(options) -> jobs.Choices:
     order = "Given" if options.parents else ORDERS.get(options.order)
-    return jobs.Choices(options.root, METHODS[options.method], order, options.parents or "", options.frequency, options.initial_map.capitalize(),
-                        options.area_weight, options.area_restoration, options.pictures, options.mirror_layers, _volume_choices(options))
+    return jobs.Choices(
+        options.root,
+        METHODS[options.method],
+        order,
+        options.parents or "",
+        options.frequency,
+        options.initial_map.capitalize(),
+        options.area_weight,
+        options.area_restoration,
+        options.pictures,
+        options.mirror_layers,
+        _volume_choices(options),
+    )
 
 
 def _volume_choices(options) -> Dict[str, Any]:
     """What is said of label volumes; the rest is as read_label_volume has it."""
     coordinates = options.coordinates and options.coordinates.upper()
-    given = {"labels": options.labels, "voxel_size": options.voxel_size, "smoothing": options.smoothing, "coordinates": coordinates,
-             "skip_incomplete_phases": options.skip_incomplete_phases or None}
+    given = {
+        "labels": options.labels,
+        "voxel_size": options.voxel_size,
+        "smoothing": options.smoothing,
+        "coordinates": coordinates,
+        "skip_incomplete_phases": options.skip_incomplete_phases or None,
+    }
     return {name: value for name, value in given.items() if value is not None}
 
 
 def parser() -> argparse.ArgumentParser:
     """What the command line takes."""
-    command = argparse.ArgumentParser(prog="sphere-propagation", description="Corresponding landmarks on closed surfaces by propagated "
-                                      "spherical parameterisations.")
-    command.add_argument("--version", action="version", version=f"sphere-propagation {version.version()}")
+    command = argparse.ArgumentParser(
+        prog="sphere-propagation",
+        description="Corresponding landmarks on closed surfaces by propagated "
+        "spherical parameterisations.",
+    )
+    command.add_argument(
+        "--version", action="version", version=f"sphere-propagation {version.version()}"
+    )
     actions = command.add_subparsers(metavar="COMMAND", required=True)
 
-    run = actions.add_parser("run", help="meshes or a label volume to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
-                             description="Takes closed meshes in order of time, or a label volume, through the whole job.")
-    run.add_argument("meshes", nargs="+", metavar="FILE", help="meshes (ply, stl, obj, off), label volumes of one or more phases "
-                     "(nii, nii.gz, nrrd, nhdr, mha, mhd), or folders of them, in natural order")
-    run.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where everything goes; an earlier run's files are replaced")
-    run.add_argument("--name", help="of the sequence, for its files (default: the name of the label volume, or of the meshes' folder)")
+    run = actions.add_parser(
+        "run",
+        help="meshes or a label volume to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
+        description="Takes closed meshes in order of time, or a label volume, through the whole job.",
+    )
+    run.add_argument(
+        "meshes",
+        nargs="+",
+        metavar="FILE",
+        help="meshes (ply, stl, obj, off), label volumes of one or more phases "
+        "(nii, nii.gz, nrrd, nhdr, mha, mhd), or folders of them, in natural order",
+    )
+    run.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="FOLDER",
+        help="where everything goes; an earlier run's files are replaced",
+    )
+    run.add_argument(
+        "--name",
+        help="of the sequence, for its files (default: the name of the label volume, or of the meshes' folder)",
+    )
     _add_choices(run, "time", "the mesh of largest volume")
-    run.add_argument("--voxel-size", type=_number(float, 0), metavar="MM", help="of a label volume's surfaces (default: the smallest spacing of the volume)")
+    run.add_argument(
+        "--voxel-size",
+        type=_number(float, 0),
+        metavar="MM",
+        help="of a label volume's surfaces (default: the smallest spacing of the volume)",
+    )
     run.set_defaults(action=_run)
 
-    demo = actions.add_parser("demo", help="the same for a beating phantom whose truth is known, by both methods",
-                              description="Makes a beating ventricle, cavity and wall, and takes it through the whole job by both methods.")
-    demo.add_argument("folder", nargs="?", default="demo", metavar="FOLDER", help="where everything goes (default: %(default)s)")
-    demo.add_argument("--input", metavar="MESHES", help="meshes or a label volume instead of the phantom, as `run MESHES -o FOLDER`")
-    _add_choices(demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume")
-    demo.add_argument("--phases", type=_number(int, 1, 10000), default=25, metavar="N", help="of the phantom (default: 25)")
-    demo.add_argument("--voxel-size", type=_number(float, 0), metavar="MM", help="of the phantom (default: 2); with --input as of `run`")
-    demo.add_argument("--seed", type=_number(int, 0), default=0, metavar="N", help="of the phantom: another one makes another ventricle (default: 0)")
+    demo = actions.add_parser(
+        "demo",
+        help="the same for a beating phantom whose truth is known, by both methods",
+        description="Makes a beating ventricle, cavity and wall, and takes it through the whole job by both methods.",
+    )
+    demo.add_argument(
+        "folder",
+        nargs="?",
+        default="demo",
+        metavar="FOLDER",
+        help="where everything goes (default: %(default)s)",
+    )
+    demo.add_argument(
+        "--input",
+        metavar="MESHES",
+        help="meshes or a label volume instead of the phantom, as `run MESHES -o FOLDER`",
+    )
+    _add_choices(
+        demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume"
+    )
+    demo.add_argument(
+        "--phases",
+        type=_number(int, 1, 10000),
+        default=25,
+        metavar="N",
+        help="of the phantom (default: 25)",
+    )
+    demo.add_argument(
+        "--voxel-size",
+        type=_number(float, 0),
+        metavar="MM",
+        help="of the phantom (default: 2); with --input as of `run`",
+    )
+    demo.add_argument(
+        "--seed",
+        type=_number(int, 0),
+        default=0,
+        metavar="N",
+        help="of the phantom: another one makes another ventricle (default: 0)",
+    )
     demo.set_defaults(action=_demo)
 
     info = actions.add_parser("info", help="versions, the plugin's path, the filters")
@@ -153,10 +260,14 @@ def parser() -> argparse.ArgumentParser:
 
 def _number(kind: type, least: float, most: float = float("inf")) -> Callable[[str], float]:
     """What an option takes for a number: argparse refuses the others."""
+
     def convert(text: str):
         value = kind(text)
         if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{text} is not " + (f"{least} or more" if most == float("inf") else f"from {least} to {most}"))
+            raise argparse.ArgumentTypeError(
+                f"{text} is not "
+                + (f"{least} or more" if most == float("inf") else f"from {least} to {most}")
+            )
         return value
 
     convert.__name__ = kind.__name__  # argparse's word for what is no number at all
@@ -165,19 +276,72 @@ def _number(kind: type, least: float, most: float = float("inf")) -> Callable[[s
 
 def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
     add = action.add_argument
-    add("--root", type=_number(int, 0), metavar="N", help=f"number of the mesh that gets the first map, from 0 (default: {root})")
-    add("--method", choices=list(METHODS), default="robust", help="how a map gets to the next mesh (default: robust)")
+    add(
+        "--root",
+        type=_number(int, 0),
+        metavar="N",
+        help=f"number of the mesh that gets the first map, from 0 (default: {root})",
+    )
+    add(
+        "--method",
+        choices=list(METHODS),
+        default="robust",
+        help="how a map gets to the next mesh (default: robust)",
+    )
     add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
-    add("--parents", metavar="LIST", help='instead of --order: for each mesh the number of that which hands it the map, -1 for the root, '
-        'as --parents -1,0,1')
-    add("--frequency", type=_number(int, 1), default=10, metavar="F", help="10 F^2 + 2 landmarks (default: 10, which gives 1002)")
-    add("--initial-map", choices=[name.lower() for name in filters.INITIAL_MAPS], default="automatic",
-        help="where the root map starts (default: automatic)")
-    add("--area-weight", type=_number(float, 0, 1), default=0.9, metavar="W", help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)")
-    add("--area-restoration", type=_number(float, 0, 1), default=0.0, metavar="W", help="of all maps in the end, 0 to 1 (default: 0)")
-    add("--mirror-layers", action="store_true", help="reflect a mesh that is a mirror image of the others, a left bone among right ones")
-    add("--labels", metavar="LIST", help='of a label volume: the label, or several to be united, as "1,2" (default: 1)')
-    add("--smoothing", type=_number(float, 0, 5), metavar="VOXELS", help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)")
+    add(
+        "--parents",
+        metavar="LIST",
+        help="instead of --order: for each mesh the number of that which hands it the map, -1 for the root, "
+        "as --parents -1,0,1",
+    )
+    add(
+        "--frequency",
+        type=_number(int, 1),
+        default=10,
+        metavar="F",
+        help="10 F^2 + 2 landmarks (default: 10, which gives 1002)",
+    )
+    add(
+        "--initial-map",
+        choices=[name.lower() for name in filters.INITIAL_MAPS],
+        default="automatic",
+        help="where the root map starts (default: automatic)",
+    )
+    add(
+        "--area-weight",
+        type=_number(float, 0, 1),
+        default=0.9,
+        metavar="W",
+        help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)",
+    )
+    add(
+        "--area-restoration",
+        type=_number(float, 0, 1),
+        default=0.0,
+        metavar="W",
+        help="of all maps in the end, 0 to 1 (default: 0)",
+    )
+    add(
+        "--mirror-layers",
+        action="store_true",
+        help="reflect a mesh that is a mirror image of the others, a left bone among right ones",
+    )
+    add(
+        "--labels",
+        metavar="LIST",
+        help='of a label volume: the label, or several to be united, as "1,2" (default: 1)',
+    )
+    add(
+        "--smoothing",
+        type=_number(float, 0, 5),
+        metavar="VOXELS",
+        help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)",
+    )
     add("--coordinates", choices=["ras", "lps"], help="of a label volume's surfaces (default: ras)")
-    add("--skip-incomplete-phases", action="store_true", help="of a label volume: leave out phases that lack a label, instead of an error")
+    add(
+        "--skip-incomplete-phases",
+        action="store_true",
+        help="of a label volume: leave out phases that lack a label, instead of an error",
+    )
     add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

@@ -1,13 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """What this package raises on purpose; the messages are written for the user.
 
-    SpherePropagationError          catch this one to catch them all
-      PluginError (ImportError)     PyMeshLab or the plugin is missing, or they do not fit together
-      InputError (ValueError)       an argument that no filter needs to see: an array of the wrong shape, a root that is not there
-      FileError (OSError)           a file that cannot be read as a mesh or a map
-      FilterError (RuntimeError)    a filter refused; the message is the filter's own
+SpherePropagationError          catch this one to catch them all
+  PluginError (ImportError)     PyMeshLab or the plugin is missing, or they do not fit together
+  InputError (ValueError)       an argument that no filter needs to see: an array of the wrong shape, a root that is not there
+  FileError (OSError)           a file that cannot be read as a mesh or a map
+  FilterError (RuntimeError)    a filter refused; the message is the filter's own
 
-    SpherePropagationWarning        a result that deserves a look
+SpherePropagationWarning        a result that deserves a look
 """
+
 from __future__ import annotations
 
 

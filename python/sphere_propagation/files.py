@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Mesh files and the maps in them; which files are label volumes."""
+
 from __future__ import annotations
 
 import os
@@ -38,7 +40,7 @@ def is_label_volume(path) -> bool:
 def stem_of(path) -> str:
     """A file's name without its suffix; .nii.gz is one."""
     path = Path(path)
-    return path.name[:-len(".nii.gz")] if path.name.lower().endswith(".nii.gz") else path.stem
+    return path.name[: -len(".nii.gz")] if path.name.lower().endswith(".nii.gz") else path.stem
 
 
 def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
@@ -49,11 +51,19 @@ def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
         given.sort(key=lambda path: _natural(str(path)))
     for path in given:
         if path.is_dir():
-            files = sorted((file for file in path.iterdir() if file.is_file()), key=lambda file: _natural(file.name))
-            inside = [[file for file in files if file.name.lower().endswith(suffixes)] for suffixes in kinds]
+            files = sorted(
+                (file for file in path.iterdir() if file.is_file()),
+                key=lambda file: _natural(file.name),
+            )
+            inside = [
+                [file for file in files if file.name.lower().endswith(suffixes)]
+                for suffixes in kinds
+            ]
             if not any(inside):
                 volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
-                raise FileError(f"The folder {path} holds no mesh{volumes} ({', '.join(sum(kinds, ()))}).")
+                raise FileError(
+                    f"The folder {path} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
+                )
             found += next(filter(None, inside))
         elif path.is_file():
             found.append(path)
@@ -62,13 +72,18 @@ def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     stems: Dict[str, Path] = {}
     for path in found:
         if stem_of(path) in stems:
-            raise FileError(f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told apart.")
+            raise FileError(
+                f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told apart."
+            )
         stems[stem_of(path)] = path
     return found
 
 
 def _natural(name: str):
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in re.split(r"(\d+)", name.lower())]
+    return [
+        (0, int(part), "") if part.isdecimal() else (1, 0, part)
+        for part in re.split(r"(\d+)", name.lower())
+    ]
 
 
 def read_mesh(path) -> Surface:
@@ -90,7 +105,14 @@ def read_map(path) -> SphereMap:
         raise FileError(f"{path} carries no map: it has no texture coordinates per vertex.")
     texture = mesh.vertex_tex_coord_matrix()
     longitude, colatitude = 2 * np.pi * texture[:, 0], np.pi * texture[:, 1]
-    positions = np.stack([np.sin(colatitude) * np.cos(longitude), np.sin(colatitude) * np.sin(longitude), np.cos(colatitude)], 1)
+    positions = np.stack(
+        [
+            np.sin(colatitude) * np.cos(longitude),
+            np.sin(colatitude) * np.sin(longitude),
+            np.cos(colatitude),
+        ],
+        1,
+    )
     figures = filters.evaluate([layers.surface_of(mesh)], [positions])
     if not figures["valid"][0]:
         raise FileError(f"{path} carries no valid map: its texture coordinates are something else.")
@@ -101,7 +123,9 @@ def _load(path):
     path = Path(path)
     if not path.is_file():
         raise FileError(f"There is no file {path}.")
-    if path.suffix.lower() == ".ply" and not _has_ply_header(path):  # PyMeshLab may crash over these
+    if path.suffix.lower() == ".ply" and not _has_ply_header(
+        path
+    ):  # PyMeshLab may crash over these
         raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
     meshes, here = layers.mesh_set(), os.getcwd()
     try:
@@ -112,7 +136,9 @@ def _load(path):
         reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
         raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
     finally:
-        os.chdir(here)  # PyMeshLab goes to the file's folder, and stays there when it cannot read the file
+        os.chdir(
+            here
+        )  # PyMeshLab goes to the file's folder, and stays there when it cannot read the file
     if meshes.current_mesh().face_number() == 0:
         raise FileError(f"{path} holds no triangles.")
     return meshes, path
@@ -124,14 +150,20 @@ def _has_ply_header(path: Path) -> bool:
     return head[:3] == b"ply" and b"end_header" in head
 
 
-def write_ply(path, vertices, faces, colors: Optional[np.ndarray] = None, texture: Optional[np.ndarray] = None) -> None:
+def write_ply(
+    path, vertices, faces, colors: Optional[np.ndarray] = None, texture: Optional[np.ndarray] = None
+) -> None:
     """A binary PLY file of floats. colors: (n, 3) in [0, 1]; texture: the map as (n, 2) texture coordinates."""
     columns = [(name, "<f4", vertices[:, k]) for k, name in enumerate("xyz")]
     if colors is not None:
         opaque = np.c_[np.round(255 * np.clip(colors, 0, 1)), np.full(len(colors), 255)]
-        columns += [(name, "u1", opaque[:, k]) for k, name in enumerate(("red", "green", "blue", "alpha"))]
+        columns += [
+            (name, "u1", opaque[:, k]) for k, name in enumerate(("red", "green", "blue", "alpha"))
+        ]
     if texture is not None:
-        columns += [(name, "<f4", texture[:, k]) for k, name in enumerate(("texture_u", "texture_v"))]
+        columns += [
+            (name, "<f4", texture[:, k]) for k, name in enumerate(("texture_u", "texture_v"))
+        ]
     vertex = np.empty(len(vertices), [(name, kind) for name, kind, _ in columns])
     for name, _, values in columns:
         vertex[name] = values
@@ -140,5 +172,10 @@ def write_ply(path, vertices, faces, colors: Optional[np.ndarray] = None, textur
     words = {"<f4": "float", "u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertex)}"]
     header += [f"property {words[kind]} {name}" for name, kind, _ in columns]
-    header += [f"element face {len(face)}", "property list uchar int vertex_indices", "end_header", ""]
+    header += [
+        f"element face {len(face)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+        "",
+    ]
     Path(path).write_bytes("\n".join(header).encode() + vertex.tobytes() + face.tobytes())

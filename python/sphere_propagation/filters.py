@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The plugin's filters as functions on arrays. Each works in a project of its own, so nothing is shared between calls.
 
 Keyword parameters have the names and defaults of the filters' own parameters; what they mean in depth is in the filters' help and in
 docs/. Every map that comes back is certified valid.
 """
+
 from __future__ import annotations
 
 import warnings
@@ -34,10 +36,14 @@ ALIGNMENTS = ("Similarity", "Rigid", "None")
 PARTS = ("Cavity", "Wall")
 COORDINATES = ("RAS", "LPS")
 
-MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion_propagation.h
-MOST_LANDMARKS = 20_000_000  # of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp
+MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion/motion_propagation.h
+MOST_LANDMARKS = (
+    20_000_000  # of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp
+)
 
-MOST_VOLUME_ERROR = 0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
+MOST_VOLUME_ERROR = (
+    0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
+)
 MOST_LOSS = 0.1  # of the label's volume in its surface, as in filter_label_volume/import_filter.cpp
 MOST_DROPPED = 0.05  # of the voxels, in smaller parts
 
@@ -93,9 +99,20 @@ class Landmarks:
     figures: Figures
 
 
-def read_label_volume(file, *, labels: Union[str, int, Sequence[int]] = "1", voxel_size: float = 0.0, smoothing: float = 1.0,
-                      coordinates: str = "RAS", fill_holes: bool = True, keep_largest_component: bool = True, cut_handles: bool = True,
-                      file_series: bool = False, skip_incomplete_phases: bool = False, longest_gap: int = 10) -> LabelSurfaces:
+def read_label_volume(
+    file,
+    *,
+    labels: Union[str, int, Sequence[int]] = "1",
+    voxel_size: float = 0.0,
+    smoothing: float = 1.0,
+    coordinates: str = "RAS",
+    fill_holes: bool = True,
+    keep_largest_component: bool = True,
+    cut_handles: bool = True,
+    file_series: bool = False,
+    skip_incomplete_phases: bool = False,
+    longest_gap: int = 10,
+) -> LabelSurfaces:
     """A segmentation (NIfTI, NRRD, MetaImage; 3D, or 4D with time) as one closed surface of genus 0 per phase, in millimetres.
 
     labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have each of them, or
@@ -110,11 +127,24 @@ def read_label_volume(file, *, labels: Union[str, int, Sequence[int]] = "1", vox
     """
     plugin.require_volumes()
     meshes = layers.mesh_set()
-    text = labels if isinstance(labels, str) else ",".join(map(str, _whole_numbers("labels", labels)))
-    figures = layers.apply(meshes, IMPORT, file_name=str(file), labels=text, voxel_size=voxel_size, smoothing=smoothing,
-                           coordinates=coordinates, fill_holes=fill_holes, keep_largest_component=keep_largest_component,
-                           cut_handles=cut_handles, file_series=file_series, skip_incomplete_phases=skip_incomplete_phases,
-                           longest_gap=longest_gap)
+    text = (
+        labels if isinstance(labels, str) else ",".join(map(str, _whole_numbers("labels", labels)))
+    )
+    figures = layers.apply(
+        meshes,
+        IMPORT,
+        file_name=str(file),
+        labels=text,
+        voxel_size=voxel_size,
+        smoothing=smoothing,
+        coordinates=coordinates,
+        fill_holes=fill_holes,
+        keep_largest_component=keep_largest_component,
+        cut_handles=cut_handles,
+        file_series=file_series,
+        skip_incomplete_phases=skip_incomplete_phases,
+        longest_gap=longest_gap,
+    )
     del figures["layers"]
     surfaces = [layers.surface_of(mesh) for mesh in meshes]
     _warn_of_changed_labels(surfaces, figures)
@@ -127,30 +157,55 @@ def _whole_numbers(name: str, values) -> List[int]:
         numbers = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError):
         numbers = np.array([np.nan])
-    if numbers.ndim != 1 or not np.all(numbers == np.floor(numbers)) or not np.isfinite(numbers).all():
+    if (
+        numbers.ndim != 1
+        or not np.all(numbers == np.floor(numbers))
+        or not np.isfinite(numbers).all()
+    ):
         raise InputError(f"{name} must be whole numbers, not {values!r}.")
     return [int(number) for number in numbers]
 
 
 def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
     """What the filter says of every phase in its log, which Python does not get: how many phases deserve a look, and which most."""
+
     def warn(amounts: np.ndarray, limit: float, words: str) -> None:
         count, worst = int((amounts > limit).sum()), int(np.argmax(amounts))
         if count:
-            where = surfaces[worst].name + (f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else "")
-            warnings.warn(f"{where}: {amounts[worst]:.3g} {words}.", SpherePropagationWarning, stacklevel=4)
+            where = surfaces[worst].name + (
+                f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else ""
+            )
+            warnings.warn(
+                f"{where}: {amounts[worst]:.3g} {words}.", SpherePropagationWarning, stacklevel=4
+            )
 
     kept = figures["label_volume"] * (1 - figures["dropped_share"])
     loss = 1 - figures["volume"] / kept
-    warn(100 * loss, 100 * MOST_LOSS, "% of the label's volume are missing in the surface: choose a smaller smoothing, or a smaller voxel_size")
-    warn(100 * np.where((figures["interpolated_slices"] > 0) | (loss > MOST_LOSS), 0, np.abs(loss)), 100 * MOST_VOLUME_ERROR,
-         "% lie between the volume of the surface and that of its voxels")
-    warn(100 * figures["dropped_share"], 100 * MOST_DROPPED, "% of the label's voxels were dropped with its smaller parts")
+    warn(
+        100 * loss,
+        100 * MOST_LOSS,
+        "% of the label's volume are missing in the surface: choose a smaller smoothing, or a smaller voxel_size",
+    )
+    warn(
+        100 * np.where((figures["interpolated_slices"] > 0) | (loss > MOST_LOSS), 0, np.abs(loss)),
+        100 * MOST_VOLUME_ERROR,
+        "% lie between the volume of the surface and that of its voxels",
+    )
+    warn(
+        100 * figures["dropped_share"],
+        100 * MOST_DROPPED,
+        "% of the label's voxels were dropped with its smaller parts",
+    )
     warn(figures["interpolated_slices"], 0, "slices without the label were interpolated")
 
 
-def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", area_weight: float = 0.9,
-                       threads: int = 0) -> SphereMap:
+def parameterise_root(
+    surface: SurfaceLike,
+    *,
+    initial_map: str = "Automatic",
+    area_weight: float = 0.9,
+    threads: int = 0,
+) -> SphereMap:
     """An area-preserving map of one surface to the unit sphere.
 
     initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for equal areas alone, as far as
@@ -160,13 +215,28 @@ def parameterise_root(surface: SurfaceLike, *, initial_map: str = "Automatic", a
     Raises FilterError when the surface is not closed, has handles or several parts.
     """
     meshes = layers.mesh_set([as_surface(surface)])
-    figures = layers.apply(meshes, ROOT, initial_map=initial_map, area_weight=area_weight, threads=threads)
+    figures = layers.apply(
+        meshes, ROOT, initial_map=initial_map, area_weight=area_weight, threads=threads
+    )
     return layers.map_of(meshes.mesh(0), figures)
 
 
-def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer: int = 0, method: str = "Robust", order: str = "Time",
-              parents: Union[str, Sequence[int]] = "", area_restoration: float = 0.0, residual_quality: bool = False, mirror_layers: bool = False,
-              anisotropic_scaling: bool = True, icp_iterations: int = 30, smoothing_sweeps: int = 50, threads: int = 0) -> Propagation:
+def propagate(
+    surfaces: Sequence[SurfaceLike],
+    root_map: MapLike,
+    *,
+    root_layer: int = 0,
+    method: str = "Robust",
+    order: str = "Time",
+    parents: Union[str, Sequence[int]] = "",
+    area_restoration: float = 0.0,
+    residual_quality: bool = False,
+    mirror_layers: bool = False,
+    anisotropic_scaling: bool = True,
+    icp_iterations: int = 30,
+    smoothing_sweeps: int = 50,
+    threads: int = 0,
+) -> Propagation:
     """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
 
     surfaces: in order of time, in one unit. root_map: the map of surfaces[root_layer].
@@ -185,23 +255,44 @@ def propagate(surfaces: Sequence[SurfaceLike], root_map: MapLike, *, root_layer:
     surfaces = as_surfaces(surfaces)
     root_map = as_map(root_map)
     if not 0 <= root_layer < len(surfaces):
-        raise InputError(f"Layer {root_layer} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}.")
+        raise InputError(
+            f"Layer {root_layer} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}."
+        )
     if not isinstance(parents, str):
         parents = ", ".join(map(str, _whole_numbers("parents", parents)))
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
-    figures = layers.apply(meshes, PROPAGATE, root_layer=root_layer, method=method, order=order, parents=parents,
-                           area_restoration=area_restoration, residual_quality=residual_quality, mirror_layers=mirror_layers,
-                           anisotropic_scaling=anisotropic_scaling, icp_iterations=icp_iterations, smoothing_sweeps=smoothing_sweeps,
-                           threads=threads)
+    figures = layers.apply(
+        meshes,
+        PROPAGATE,
+        root_layer=root_layer,
+        method=method,
+        order=order,
+        parents=parents,
+        area_restoration=area_restoration,
+        residual_quality=residual_quality,
+        mirror_layers=mirror_layers,
+        anisotropic_scaling=anisotropic_scaling,
+        icp_iterations=icp_iterations,
+        smoothing_sweeps=smoothing_sweeps,
+        threads=threads,
+    )
     if len(figures["parent"]) != len(surfaces):
-        raise FilterError(PROPAGATE, "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
-                          "the unit sphere, or is called like a layer of a shape model.")
+        raise FilterError(
+            PROPAGATE,
+            "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
+            "the unit sphere, or is called like a layer of a shape model.",
+        )
     _warn_of_distant_layers(surfaces, figures["residual_mean"])
-    maps = [layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(len(surfaces))]
+    maps = [
+        layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
+        for i in range(len(surfaces))
+    ]
     residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
-    as_mapped = [layers.surface_of(meshes.mesh(i), surface.name) if figures["mirrored"][i] else surface
-                 for i, surface in enumerate(surfaces)]
+    as_mapped = [
+        layers.surface_of(meshes.mesh(i), surface.name) if figures["mirrored"][i] else surface
+        for i, surface in enumerate(surfaces)
+    ]
     return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
 
 
@@ -210,11 +301,21 @@ def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) 
     for surface, residual in zip(surfaces, residuals):
         edges = residual / surface.mean_edge_length
         if edges > MOST_RESIDUAL_IN_EDGES:
-            warnings.warn(f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on average: it may be another "
-                          "shape or in another unit.", SpherePropagationWarning, stacklevel=3)
+            warnings.warn(
+                f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on average: it may be another "
+                "shape or in another unit.",
+                SpherePropagationWarning,
+                stacklevel=3,
+            )
 
 
-def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequency: int = 10, threads: int = 0) -> Landmarks:
+def remesh(
+    surfaces: Sequence[SurfaceLike],
+    maps: Sequence[MapLike],
+    *,
+    frequency: int = 10,
+    threads: int = 0,
+) -> Landmarks:
     """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as propagate gives them.
 
     frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks. threads: how many work, 0 for as many
@@ -222,16 +323,32 @@ def remesh(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, frequenc
     """
     surfaces = as_surfaces(surfaces)
     meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
-    figures = layers.apply(meshes, REMESH, frequency=frequency, color_landmarks=False, threads=threads)
+    figures = layers.apply(
+        meshes, REMESH, frequency=frequency, color_landmarks=False, threads=threads
+    )
     made = [meshes.mesh(i) for i in range(len(surfaces), meshes.mesh_number())]
     if len(made) != len(surfaces):
-        raise FilterError(REMESH, f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.")
-    return Landmarks(np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures)
+        raise FilterError(
+            REMESH,
+            f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.",
+        )
+    return Landmarks(
+        np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures
+    )
 
 
-def shape_model(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]] = None, *, alignment: str = "Similarity",
-                modes: int = 0, export_file: str = "", area_weights: bool = False, specificity_samples: int = 1000,
-                seed: int = 0) -> ShapeModel:
+def shape_model(
+    points: np.ndarray,
+    faces: np.ndarray,
+    names: Optional[Sequence[str]] = None,
+    *,
+    alignment: str = "Similarity",
+    modes: int = 0,
+    export_file: str = "",
+    area_weights: bool = False,
+    specificity_samples: int = 1000,
+    seed: int = 0,
+) -> ShapeModel:
     """Mean, modes and scores of landmarks that correspond, and how good a model they make: `shape_model(*remesh(...)[:2])`.
 
     points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence, shared by all; names: what errors
@@ -245,27 +362,63 @@ def shape_model(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[
     """
     surfaces = _landmark_meshes(points, faces, names)
     meshes = layers.mesh_set(surfaces)
-    returned = layers.apply(meshes, MODEL, alignment=alignment, modes=modes, mode_layers=0, export_file=str(export_file),
-                            area_weights=area_weights, specificity_samples=specificity_samples, seed=seed)
+    returned = layers.apply(
+        meshes,
+        MODEL,
+        alignment=alignment,
+        modes=modes,
+        mode_layers=0,
+        export_file=str(export_file),
+        area_weights=area_weights,
+        specificity_samples=specificity_samples,
+        seed=seed,
+    )
     if returned["shapes"] != len(surfaces):
-        raise FilterError(MODEL, f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the others lie on the unit "
-                          "sphere, or are called like a layer of a shape model.")
+        raise FilterError(
+            MODEL,
+            f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the others lie on the unit "
+            "sphere, or are called like a layer of a shape model.",
+        )
     kept, count = returned["modes"], returned["landmarks"]
-    return ShapeModel(np.reshape(returned["mean"], (count, 3)), np.reshape(returned["mode_vectors"], (kept, count, 3)),
-                      returned["eigenvalues"], np.reshape(returned["scores"], (len(surfaces), kept)), surfaces[0].faces,
-                      [surface.name for surface in surfaces], returned["total_variance"],
-                      {name: returned[name] for name in ("compactness", "variance_share", "generalisation", "generalisation_error",
-                                                         "specificity", "specificity_error")})
+    return ShapeModel(
+        np.reshape(returned["mean"], (count, 3)),
+        np.reshape(returned["mode_vectors"], (kept, count, 3)),
+        returned["eigenvalues"],
+        np.reshape(returned["scores"], (len(surfaces), kept)),
+        surfaces[0].faces,
+        [surface.name for surface in surfaces],
+        returned["total_variance"],
+        {
+            name: returned[name]
+            for name in (
+                "compactness",
+                "variance_share",
+                "generalisation",
+                "generalisation_error",
+                "specificity",
+                "specificity_error",
+            )
+        },
+    )
 
 
-def _landmark_meshes(points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]]) -> List[Surface]:
+def _landmark_meshes(
+    points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]]
+) -> List[Surface]:
     points = np.asarray(points)
     if points.ndim != 3 or points.shape[2] != 3 or points.dtype.kind not in "fiu":
-        raise InputError(f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of shape {points.shape}.")
+        raise InputError(
+            f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of shape {points.shape}."
+        )
     frequency = max(1, round(max(0, points.shape[1] - 2) / 10) ** 0.5)
-    if points.shape[1] != 10 * round(frequency) ** 2 + 2 or np.shape(faces) != (2 * points.shape[1] - 4, 3):
-        raise InputError(f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those that remesh gives: 10 f^2 + 2 "
-                         "landmarks and (20 f^2, 3) faces.")
+    if points.shape[1] != 10 * round(frequency) ** 2 + 2 or np.shape(faces) != (
+        2 * points.shape[1] - 4,
+        3,
+    ):
+        raise InputError(
+            f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those that remesh gives: 10 f^2 + 2 "
+            "landmarks and (20 f^2, 3) faces."
+        )
     names = [f"shape {k}" for k in range(len(points))] if names is None else list(names)
     if len(names) != len(points):
         raise InputError(f"{len(points)} shapes need as many names, not {len(names)}.")
@@ -281,12 +434,21 @@ def evaluate(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike]) -> Figure
     surfaces = as_surfaces(surfaces)
     figures = layers.apply(layers.mesh_set(surfaces, _maps_of(surfaces, maps)), EVALUATE)
     if len(figures["valid"]) != len(surfaces):
-        raise FilterError(EVALUATE, f"Of {len(surfaces)} meshes only {len(figures['valid'])} were taken for surfaces.")
+        raise FilterError(
+            EVALUATE,
+            f"Of {len(surfaces)} meshes only {len(figures['valid'])} were taken for surfaces.",
+        )
     return figures
 
 
-def map_colors(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, pattern: str = "Checkerboard", cells: int = 8,
-               area_ratio_limit: float = 2.0) -> List[np.ndarray]:
+def map_colors(
+    surfaces: Sequence[SurfaceLike],
+    maps: Sequence[MapLike],
+    *,
+    pattern: str = "Checkerboard",
+    cells: int = 8,
+    area_ratio_limit: float = 2.0,
+) -> List[np.ndarray]:
     """A pattern of the sphere on the vertices of each surface, (n, 3) in [0, 1]: the same place has the same colour on all of them.
 
     pattern: one of PATTERNS. cells: fields from pole to pole, 2 or more. area_ratio_limit: above 1, where the colours of the pattern
@@ -298,14 +460,23 @@ def map_colors(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike], *, patt
     return [mesh.vertex_color_matrix()[:, :3] for mesh in meshes]
 
 
-def make_phantom(*, part: str = "Cavity", phases: int = 25, voxel_size: float = 2.0, twist: float = 0.0, seed: int = 0) -> List[Surface]:
+def make_phantom(
+    *,
+    part: str = "Cavity",
+    phases: int = 25,
+    voxel_size: float = 2.0,
+    twist: float = 0.0,
+    seed: int = 0,
+) -> List[Surface]:
     """A beating left ventricle, one surface per phase of one heart cycle, without correspondence; phase 0 is end-diastole.
 
     part: Cavity or Wall. voxel_size: mm, 0.25 to 4; 2 gives about 4000 vertices. twist: degrees, of the apex at end-systole.
     seed: each number makes another ventricle. `Ventricle` with the same part, phases, seed and twist knows the truth.
     """
     meshes = layers.mesh_set()
-    layers.apply(meshes, PHANTOM, part=part, phases=phases, voxel_size=voxel_size, twist=twist, seed=seed)
+    layers.apply(
+        meshes, PHANTOM, part=part, phases=phases, voxel_size=voxel_size, twist=twist, seed=seed
+    )
     return [layers.surface_of(mesh) for mesh in meshes]
 
 

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The pictures of a finished job, and the page that shows them beside its figures."""
+
 from __future__ import annotations
 
 from typing import Callable, List, NamedTuple, Optional, Sequence
@@ -35,14 +37,25 @@ class Drawing(NamedTuple):
     narrow: bool = False
 
 
-def show(results: ResultFolder, title: str, text: str, sections: Sequence[Section], draw: bool, steps: Lines) -> None:
+def show(
+    results: ResultFolder,
+    title: str,
+    text: str,
+    sections: Sequence[Section],
+    draw: bool,
+    steps: Lines,
+) -> None:
     """Draws everything, where that is wished and possible, and writes the page."""
     chapters = []
     for section in sections:
         made = []
         for drawing in _drawings(section) if draw else ():
             steps.begin(f"{drawing.name}: {drawing.what}")
-            made.append(page.Picture(results.write(drawing.name, drawing.draw), drawing.caption, drawing.narrow))
+            made.append(
+                page.Picture(
+                    results.write(drawing.name, drawing.draw), drawing.caption, drawing.narrow
+                )
+            )
             steps.done(f"{drawing.name}: {drawing.what}")
         tables = [page.summary_table(section.runs)]
         if section.model is not None and len(section.model.modes):
@@ -62,30 +75,74 @@ def _drawings(section: Section) -> List[Drawing]:
     result = rows[0].result
     count = result.landmarks.shape[1]
     found = [
-        Drawing(f"{prefix}landmarks.png", "landmarks over the cycle", lambda path: pictures.landmarks_over_cycle(rows, path),
-                f"{count} landmarks on some phases. Landmark j has one colour on all of them: it is the same place."),
-        Drawing(f"{prefix}checkerboard.png", "the maps over the cycle", lambda path: pictures.maps_over_cycle(rows, path),
-                "One checkerboard of the sphere, drawn on the surfaces through their maps. A field that keeps its place on the organ "
-                "shows that the maps correspond."),
-        Drawing(f"{prefix}map.png", "the root and its sphere", lambda path: pictures.root_and_sphere(rows, path),
-                "The surface that got the first map, beside the sphere: every field takes the same share of both.", len(rows) == 1)]
+        Drawing(
+            f"{prefix}landmarks.png",
+            "landmarks over the cycle",
+            lambda path: pictures.landmarks_over_cycle(rows, path),
+            f"{count} landmarks on some phases. Landmark j has one colour on all of them: it is the same place.",
+        ),
+        Drawing(
+            f"{prefix}checkerboard.png",
+            "the maps over the cycle",
+            lambda path: pictures.maps_over_cycle(rows, path),
+            "One checkerboard of the sphere, drawn on the surfaces through their maps. A field that keeps its place on the organ "
+            "shows that the maps correspond.",
+        ),
+        Drawing(
+            f"{prefix}map.png",
+            "the root and its sphere",
+            lambda path: pictures.root_and_sphere(rows, path),
+            "The surface that got the first map, beside the sphere: every field takes the same share of both.",
+            len(rows) == 1,
+        ),
+    ]
     if section.errors:
-        found.append(Drawing("error.png", "error over the cycle", lambda path: pictures.errors_over_phase(rows, section.errors, path),
-                             "How far the landmarks lie from the material points that they began on, phase by phase: both methods."))
+        found.append(
+            Drawing(
+                "error.png",
+                "error over the cycle",
+                lambda path: pictures.errors_over_phase(rows, section.errors, path),
+                "How far the landmarks lie from the material points that they began on, phase by phase: both methods.",
+            )
+        )
     if model is not None and len(model.modes):
         reach = float(np.abs(model.scores[:, 0]).max() / np.sqrt(model.eigenvalues[0]))
         unit, closed = rows[0].unit or "units", result.order == "Cyclic time"
         found += [
-            Drawing(f"{prefix}modes.png", "mean shape and modes", lambda path: model_pictures.modes(model, path, unit=unit, up=rows[0].up),
-                    "The shape model: its mean, and three standard deviations along the first modes; red lies outside of the mean, blue "
-                    f"inside. Along the first mode these shapes themselves reach {reach:.1f} standard deviations: what lies beyond is "
-                    "the model's guess."),
-            Drawing(f"{prefix}model.png", "how good the model is", lambda path: model_pictures.measures(model, path, unit=unit),
-                    "By number of modes: the share of the variance that they hold; how far a shape that the model has not seen lies from its "
-                    "best approximation; how far random shapes of the model lie from the nearest real one. Bands are standard errors."),
-            Drawing(f"{prefix}scores.png", "scores over the phases", lambda path: model_pictures.scores(model, path, closed=closed, phases=rows[0].numbers()),
-                    "Where each phase lies along the first modes."),
-            Drawing(f"{prefix}volume.png", "volume over the phases", lambda path: model_pictures.volumes(rows[0], path, section.true_volumes),
-                    "What the surfaces enclose." + (" The dashed line is what is known of the phantom: the difference comes from the slices."
-                                                    if section.true_volumes is not None else ""), True)]
+            Drawing(
+                f"{prefix}modes.png",
+                "mean shape and modes",
+                lambda path: model_pictures.modes(model, path, unit=unit, up=rows[0].up),
+                "The shape model: its mean, and three standard deviations along the first modes; red lies outside of the mean, blue "
+                f"inside. Along the first mode these shapes themselves reach {reach:.1f} standard deviations: what lies beyond is "
+                "the model's guess.",
+            ),
+            Drawing(
+                f"{prefix}model.png",
+                "how good the model is",
+                lambda path: model_pictures.measures(model, path, unit=unit),
+                "By number of modes: the share of the variance that they hold; how far a shape that the model has not seen lies from its "
+                "best approximation; how far random shapes of the model lie from the nearest real one. Bands are standard errors.",
+            ),
+            Drawing(
+                f"{prefix}scores.png",
+                "scores over the phases",
+                lambda path: model_pictures.scores(
+                    model, path, closed=closed, phases=rows[0].numbers()
+                ),
+                "Where each phase lies along the first modes.",
+            ),
+            Drawing(
+                f"{prefix}volume.png",
+                "volume over the phases",
+                lambda path: model_pictures.volumes(rows[0], path, section.true_volumes),
+                "What the surfaces enclose."
+                + (
+                    " The dashed line is what is known of the phantom: the difference comes from the slices."
+                    if section.true_volumes is not None
+                    else ""
+                ),
+                True,
+            ),
+        ]
     return found

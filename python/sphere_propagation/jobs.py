@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """What the command line does: meshes, or the phantom, through the whole job, and everything worth looking at into a folder."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -39,23 +41,46 @@ class Choices(NamedTuple):
 
     def parameters(self) -> Dict[str, Any]:
         """Those of correspond() that are the same for every sequence."""
-        return {"parents": self.parents, "frequency": self.frequency, "initial_map": self.initial_map, "area_weight": self.area_weight,
-                "area_restoration": self.area_restoration}
+        return {
+            "parents": self.parents,
+            "frequency": self.frequency,
+            "initial_map": self.initial_map,
+            "area_weight": self.area_weight,
+            "area_restoration": self.area_restoration,
+        }
 
 
-def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, progress: Callable[[int], Lines]) -> List[report.Run]:
+def run_meshes(
+    meshes: Sequence,
+    folder,
+    name: Optional[str],
+    choices: Choices,
+    progress: Callable[[int], Lines],
+) -> List[report.Run]:
     """Files and folders of meshes or label volumes; `name` calls the sequence. progress: makes the Lines for a number of steps."""
     if name is not None and (name in ("", ".", "..") or Path(name).name != name):
-        raise InputError(f"The name of the sequence becomes a folder of results: it must be a plain name, not {name!r}.")
+        raise InputError(
+            f"The name of the sequence becomes a folder of results: it must be a plain name, not {name!r}."
+        )
     paths = files.input_files(*meshes)
     if choices.volume and not any(map(files.is_label_volume, paths)):
-        raise InputError(f"There is no label volume among the files, to which {', '.join(choices.volume)} could apply.")
+        raise InputError(
+            f"There is no label volume among the files, to which {', '.join(choices.volume)} could apply."
+        )
     home = Path(folder).resolve()
     for path in paths:
         if home in path.resolve().parents:
             raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
-    if not any(map(files.is_label_volume, paths)):  # how many phases those have is known when they are read
-        check_arguments(len(paths), root=choices.root, method=choices.method, order=choices.order or "Time", **choices.parameters())
+    if not any(
+        map(files.is_label_volume, paths)
+    ):  # how many phases those have is known when they are read
+        check_arguments(
+            len(paths),
+            root=choices.root,
+            method=choices.method,
+            order=choices.order or "Time",
+            **choices.parameters(),
+        )
     name = name or _name_of(meshes, paths)
     steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices, with_model=1))
     surfaces, phases = [], None
@@ -64,99 +89,194 @@ def run_meshes(meshes: Sequence, folder, name: Optional[str], choices: Choices, 
         if files.is_label_volume(path):
             volume = filters.read_label_volume(path, **choices.volume)
             surfaces += volume.surfaces
-            phases = volume.figures["phase"] if len(paths) == 1 else None  # some may have been skipped
+            phases = (
+                volume.figures["phase"] if len(paths) == 1 else None
+            )  # some may have been skipped
         else:
             surfaces.append(files.read_mesh(path))
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
-        raise InputError(f"{paths[0]} gives one surface: landmarks that correspond take two or more. One volume has no phases; give a volume "
-                         "of several (4D), or the files of all of them.")
+        raise InputError(
+            f"{paths[0]} gives one surface: landmarks that correspond take two or more. One volume has no phases; give a volume "
+            "of several (4D), or the files of all of them."
+        )
     if len(surfaces) == 1:
-        raise InputError(f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all meshes of the sequence, or "
-                         "their folder.")
+        raise InputError(
+            f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all meshes of the sequence, or "
+            "their folder."
+        )
     where = paths[0].name + (f" to {paths[-1].name}" if len(paths) > 1 else "")
-    steps.done(f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
-               f"{sum(len(surface.vertices) for surface in surfaces)} vertices")
+    steps.done(
+        f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
+        f"{sum(len(surface.vertices) for surface in surfaces)} vertices"
+    )
     results = ResultFolder(folder)
     results.create()  # before the work, not after
-    result = correspond(surfaces, root=choices.root, method=choices.method, order=choices.order or "Time", progress=steps,
-                        mirror_layers=choices.mirror_layers, **choices.parameters())
+    result = correspond(
+        surfaces,
+        root=choices.root,
+        method=choices.method,
+        order=choices.order or "Time",
+        progress=steps,
+        mirror_layers=choices.mirror_layers,
+        **choices.parameters(),
+    )
     labels = all(map(files.is_label_volume, paths))
     row = Row(name, result, unit="mm" if labels else None, phases=phases)
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
     runs = [report.Run(name, result)]
-    text = (f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of them. Method {result.method}, order "
-            f"{result.order}, root {surfaces[result.root].name}.")
+    text = (
+        f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of them. Method {result.method}, order "
+        f"{result.order}, root {surfaces[result.root].name}."
+    )
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
     return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps)
 
 
-def run_phantom(folder, choices: Choices, phases: int, voxel_size: float, seed: int, progress: Callable[[int], Lines]) -> List[report.Run]:
+def run_phantom(
+    folder,
+    choices: Choices,
+    phases: int,
+    voxel_size: float,
+    seed: int,
+    progress: Callable[[int], Lines],
+) -> List[report.Run]:
     """The phantom from a scan of it to a shape model; and both its parts, by both methods, against the truth."""
     if not 0.25 <= voxel_size <= 4:
         raise InputError(f"The voxels of the phantom must measure 0.25 to 4 mm, not {voxel_size}.")
-    check_arguments(phases, root=choices.root, method=choices.method, order=choices.order or "Cyclic time", **choices.parameters())
+    check_arguments(
+        phases,
+        root=choices.root,
+        method=choices.method,
+        order=choices.order or "Cyclic time",
+        **choices.parameters(),
+    )
     without = plugin.volume_failure()
     scanned = int(not without)
-    steps = progress(len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS)) + scanned * (4 + STEPS_OF_A_METHOD)
-                     + _picture_count(choices, with_model=scanned, with_errors=1))
+    steps = progress(
+        len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS))
+        + scanned * (4 + STEPS_OF_A_METHOD)
+        + _picture_count(choices, with_model=scanned, with_errors=1)
+    )
     results = ResultFolder(folder)
     results.create()
     fine, runs, rows, errors, sections = {}, [], [], [], []
     for part in filters.PARTS:
         steps.begin(f"{part.lower()}: making the phantom")
-        fine[part] = filters.make_phantom(part=part, phases=phases, voxel_size=voxel_size, seed=seed)
+        fine[part] = filters.make_phantom(
+            part=part, phases=phases, voxel_size=voxel_size, seed=seed
+        )
         vertices = np.mean([len(surface.vertices) for surface in fine[part]])
-        steps.done(f"{part.lower()}: {phases} phases of the phantom, {vertices:.0f} vertices on average")
+        steps.done(
+            f"{part.lower()}: {phases} phases of the phantom, {vertices:.0f} vertices on average"
+        )
     if scanned:
-        sections.append(_scan_section(results, Ventricle("Cavity", phases, seed), fine["Cavity"], choices, steps))
+        sections.append(
+            _scan_section(
+                results, Ventricle("Cavity", phases, seed), fine["Cavity"], choices, steps
+            )
+        )
     else:
         steps.note(f"no scan: label volumes cannot be read here. {without}")
     for part, surfaces in fine.items():
         name, found, root_map = part.lower(), {}, None
         for method in filters.METHODS:
-            found[method] = correspond(surfaces, root=choices.root or 0, root_map=root_map, method=method,
-                                       order=choices.order or "Cyclic time", progress=_Named(steps, name), **choices.parameters())
+            found[method] = correspond(
+                surfaces,
+                root=choices.root or 0,
+                root_map=root_map,
+                method=method,
+                order=choices.order or "Cyclic time",
+                progress=_Named(steps, name),
+                **choices.parameters(),
+            )
             root_map = found[method].root_map
         steps.begin(f"{name}: comparing with the truth")
         truth = Ventricle(part, phases, seed)
-        errors.append({method: truth.errors(result.landmarks, result.root) for method, result in found.items()})
-        steps.done(f"{name}: worst error " + ", ".join(f"{method.lower()} {e.max():.2f} mm" for method, e in errors[-1].items()))
+        errors.append(
+            {
+                method: truth.errors(result.landmarks, result.root)
+                for method, result in found.items()
+            }
+        )
+        steps.done(
+            f"{name}: worst error "
+            + ", ".join(f"{method.lower()} {e.max():.2f} mm" for method, e in errors[-1].items())
+        )
         runs += [report.Run(name, result, errors[-1][method]) for method, result in found.items()]
         rows.append(Row(part, found["Robust"], unit="mm", up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
         _build_model(results, name, found["Robust"], steps)
-    sections.append(Section(rows, runs, "How right is it? Fine surfaces whose truth is known",
-                            "Labels say nothing of the tissue between the slices, so a scan cannot tell how far landmarks follow it. The "
-                            f"same ventricle without a scanner can: its surfaces in voxels of {voxel_size:g} mm, cavity and wall, and of "
-                            "every point where the tissue there goes. Both methods are measured against that.", "truth_", errors=errors))
-    text = (f"A phantom, number {seed}, over one cycle of {phases} phases, " + ("first as a scanner sees it, in slices "
-            f"{SCAN_SPACING[2]:g} mm apart; then as it is." if scanned else "as it is."))
-    return _finish(results, "A beating ventricle, from labels to a shape model" if scanned else "A beating ventricle", text, sections, choices,
-                   steps)
+    sections.append(
+        Section(
+            rows,
+            runs,
+            "How right is it? Fine surfaces whose truth is known",
+            "Labels say nothing of the tissue between the slices, so a scan cannot tell how far landmarks follow it. The "
+            f"same ventricle without a scanner can: its surfaces in voxels of {voxel_size:g} mm, cavity and wall, and of "
+            "every point where the tissue there goes. Both methods are measured against that.",
+            "truth_",
+            errors=errors,
+        )
+    )
+    text = f"A phantom, number {seed}, over one cycle of {phases} phases, " + (
+        f"first as a scanner sees it, in slices {SCAN_SPACING[2]:g} mm apart; then as it is."
+        if scanned
+        else "as it is."
+    )
+    return _finish(
+        results,
+        "A beating ventricle, from labels to a shape model" if scanned else "A beating ventricle",
+        text,
+        sections,
+        choices,
+        steps,
+    )
 
 
-def _scan_section(results: ResultFolder, phantom: Ventricle, fine: Sequence[Surface], choices: Choices, steps: Lines) -> Section:
+def _scan_section(
+    results: ResultFolder,
+    phantom: Ventricle,
+    fine: Sequence[Surface],
+    choices: Choices,
+    steps: Lines,
+) -> Section:
     """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
     name = "scan"
     steps.begin(f"{name}: labelling slices")
     labels, affine = phantom.scan()
-    path = results.write(f"{name}/{name}.nii.gz", lambda path: write_nifti(path, labels, affine, SECONDS_PER_PHASE))
+    path = results.write(
+        f"{name}/{name}.nii.gz", lambda path: write_nifti(path, labels, affine, SECONDS_PER_PHASE)
+    )
     voxels = " x ".join(f"{length:g}" for length in SCAN_SPACING)
     steps.done(f"{name}: {labels.shape[3]} phases of labels, voxels of {voxels} mm")
     steps.begin(f"{name}: surfaces of the labels")
-    surfaces = filters.read_label_volume(path, **{key: value for key, value in choices.volume.items() if key != "voxel_size"}).surfaces
-    steps.done(f"{name}: {len(surfaces)} surfaces, {np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average")
-    result = correspond(surfaces, root=choices.root or 0, order=choices.order or "Cyclic time", progress=_Named(steps, name),
-                        **choices.parameters())
+    surfaces = filters.read_label_volume(
+        path, **{key: value for key, value in choices.volume.items() if key != "voxel_size"}
+    ).surfaces
+    steps.done(
+        f"{name}: {len(surfaces)} surfaces, {np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
+    )
+    result = correspond(
+        surfaces,
+        root=choices.root or 0,
+        order=choices.order or "Cyclic time",
+        progress=_Named(steps, name),
+        **choices.parameters(),
+    )
     row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1))
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
     whole = str(choices.volume.get("labels", "1")) == "1"
-    return Section([row], [report.Run(name, result)], "From a label volume to a shape model",
-                   f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. What comes out: a closed surface per "
-                   "phase, landmarks that correspond, and the statistical shape model of the cycle.", model=model,
-                   true_volumes=np.array([surface.volume for surface in fine]) if whole else None)
+    return Section(
+        [row],
+        [report.Run(name, result)],
+        "From a label volume to a shape model",
+        f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. What comes out: a closed surface per "
+        "phase, landmarks that correspond, and the statistical shape model of the cycle.",
+        model=model,
+        true_volumes=np.array([surface.volume for surface in fine]) if whole else None,
+    )
 
 
 def _name_of(given: Sequence, paths: Sequence[Path]) -> str:
@@ -164,7 +284,9 @@ def _name_of(given: Sequence, paths: Sequence[Path]) -> str:
     if len(paths) == 1 and files.is_label_volume(paths[0]):
         return files.stem_of(paths[0])
     first = Path(given[0]).resolve()
-    return next(filter(None, (path.name for path in (first, *first.parents) if path.is_dir())), "meshes")
+    return next(
+        filter(None, (path.name for path in (first, *first.parents) if path.is_dir())), "meshes"
+    )
 
 
 class _Named:
@@ -182,13 +304,21 @@ def _write_layers(results: ResultFolder, name: str, row: Row, steps: Lines) -> N
     steps.done(f"{name}: layers and projects written")
 
 
-def _build_model(results: ResultFolder, name: str, result: Correspondence, steps: Lines) -> ShapeModel:
+def _build_model(
+    results: ResultFolder, name: str, result: Correspondence, steps: Lines
+) -> ShapeModel:
     """The shape model of all phases, as a file for NumPy and two tables."""
     steps.begin(f"{name}: shape model")
     names = [surface.name for surface in result.surfaces]
     made: List[ShapeModel] = []
-    results.write(f"{name}/model.npz", lambda path: made.append(
-        filters.shape_model(result.landmarks, result.landmark_faces, names, export_file=str(path))))
+    results.write(
+        f"{name}/model.npz",
+        lambda path: made.append(
+            filters.shape_model(
+                result.landmarks, result.landmark_faces, names, export_file=str(path)
+            )
+        ),
+    )
     model = made[0]
     results.write(f"{name}/scores.csv", lambda path: report.write_scores(path, model))
     results.write(f"{name}/model.csv", lambda path: report.write_measures(path, model))
@@ -196,7 +326,14 @@ def _build_model(results: ResultFolder, name: str, result: Correspondence, steps
     return model
 
 
-def _finish(results: ResultFolder, title: str, text: str, sections: Sequence[Section], choices: Choices, steps: Lines) -> List[report.Run]:
+def _finish(
+    results: ResultFolder,
+    title: str,
+    text: str,
+    sections: Sequence[Section],
+    choices: Choices,
+    steps: Lines,
+) -> List[report.Run]:
     """The table of figures, then the page and its pictures, which can fail for reasons of their own."""
     runs = [run for section in sections for run in section.runs]
     results.write("figures.csv", lambda path: report.write_csv(path, runs))
@@ -205,10 +342,16 @@ def _finish(results: ResultFolder, title: str, text: str, sections: Sequence[Sec
         steps.note(f"no pictures: {missing}")
     gallery.show(results, title, text, sections, choices.pictures and not missing, steps)
     for path in results.kept:
-        steps.note(f"kept, because it was changed since it was written or is somebody else's: {path}")
+        steps.note(
+            f"kept, because it was changed since it was written or is somebody else's: {path}"
+        )
     steps.close()
     return runs
 
 
 def _picture_count(choices: Choices, **sections: int) -> int:
-    return 0 if not choices.pictures or pictures.what_is_missing() else gallery.picture_count(**sections)
+    return (
+        0
+        if not choices.pictures or pictures.what_is_missing()
+        else gallery.picture_count(**sections)
+    )

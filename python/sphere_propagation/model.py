@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Statistical shape models as arrays."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -47,11 +49,15 @@ class ShapeModel:
         """The shape, (landmarks, 3), with these scores along the first modes."""
         scores = np.atleast_1d(np.asarray(scores, float))
         if scores.ndim != 1 or len(scores) > len(self.modes):
-            raise InputError(f"The model has {len(self.modes)} modes: scores must be at most so many numbers, not of shape {scores.shape}.")
-        return self.mean + np.tensordot(scores, self.modes[:len(scores)], 1)
+            raise InputError(
+                f"The model has {len(self.modes)} modes: scores must be at most so many numbers, not of shape {scores.shape}."
+            )
+        return self.mean + np.tensordot(scores, self.modes[: len(scores)], 1)
 
     def along(self, mode: int, deviations: float) -> np.ndarray:
         """The shape, (landmarks, 3), that lies so many standard deviations from the mean along one mode; the first mode is 0."""
         if not 0 <= mode < len(self.modes):
-            raise InputError(f"There is no mode {mode}: the model's modes are numbered from 0 to {len(self.modes) - 1}.")
+            raise InputError(
+                f"There is no mode {mode}: the model's modes are numbered from 0 to {len(self.modes) - 1}."
+            )
         return self.mean + deviations * np.sqrt(self.eigenvalues[mode]) * self.modes[mode]

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Pictures of shape models as PNG files: modes (figure 3 of the paper), how good the model is, scores and volumes over the phases."""
+
 from __future__ import annotations
 
 from typing import Optional, Sequence
@@ -9,9 +11,23 @@ from .model import ShapeModel
 from .pictures import GREY, INK, PUBLISHED, ROBUST, Scene, matplotlib_pyplot, quiet_axes
 from .views import Row, upright
 
-# ColorBrewer's RdBu from blue to red, as vcg_ext/model/displacement_colors.h has it.
-DISPLACEMENT = np.array([(33, 102, 172), (67, 147, 195), (146, 197, 222), (209, 229, 240), (247, 247, 247), (253, 219, 199),
-                         (244, 165, 130), (214, 96, 77), (178, 24, 43)]) / 255
+# ColorBrewer's RdBu from blue to red, as vcg_ext/display/displacement_colors.h has it.
+DISPLACEMENT = (
+    np.array(
+        [
+            (33, 102, 172),
+            (67, 147, 195),
+            (146, 197, 222),
+            (209, 229, 240),
+            (247, 247, 247),
+            (253, 219, 199),
+            (244, 165, 130),
+            (214, 96, 77),
+            (178, 24, 43),
+        ]
+    )
+    / 255
+)
 MODE_COLORS = (ROBUST, PUBLISHED, "#6d4aad")
 MINUS = "\N{MINUS SIGN}"
 
@@ -20,21 +36,41 @@ def displacements(model: ShapeModel, shape: np.ndarray) -> np.ndarray:
     """How far each landmark lies from the mean's, along the mean's normal; outwards is positive."""
     corners = model.mean[model.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.stack([np.bincount(model.faces.ravel(), np.repeat(normals[:, k], 3), len(model.mean)) for k in range(3)], 1)
+    sums = np.stack(
+        [
+            np.bincount(model.faces.ravel(), np.repeat(normals[:, k], 3), len(model.mean))
+            for k in range(3)
+        ],
+        1,
+    )
     return ((shape - model.mean) * sums).sum(1) / np.maximum(np.linalg.norm(sums, axis=1), 1e-300)
 
 
 def displacement_colors(values: np.ndarray, reach: float) -> np.ndarray:
     """Red, green, blue in [0, 1]: red outwards, white 0, blue inwards, full at `reach`."""
     at = np.clip((np.asarray(values) / max(reach, 1e-300) + 1) / 2, 0, 1) * (len(DISPLACEMENT) - 1)
-    return np.stack([np.interp(at, np.arange(len(DISPLACEMENT)), DISPLACEMENT[:, k]) for k in range(3)], -1)
+    return np.stack(
+        [np.interp(at, np.arange(len(DISPLACEMENT)), DISPLACEMENT[:, k]) for k in range(3)], -1
+    )
 
 
-def modes(model: ShapeModel, path, *, title: str = "", unit: str = "mm", up: Optional[Sequence[float]] = None, shown: int = 3,
-          deviations: float = 3.0) -> None:
+def modes(
+    model: ShapeModel,
+    path,
+    *,
+    title: str = "",
+    unit: str = "mm",
+    up: Optional[Sequence[float]] = None,
+    shown: int = 3,
+    deviations: float = 3.0,
+) -> None:
     """Mean and both ends of the first modes, coloured by displacement from the mean (figure 3 of the paper)."""
     shown = min(shown, len(model.modes))
-    shapes = {(m, sign): model.along(m, sign * deviations) if m >= 0 else model.mean for m in range(shown) for sign in (-1, 0, 1)}
+    shapes = {
+        (m, sign): model.along(m, sign * deviations) if m >= 0 else model.mean
+        for m in range(shown)
+        for sign in (-1, 0, 1)
+    }
     moved = {key: displacements(model, shape) for key, shape in shapes.items()}
     reach = max((np.abs(values).max() for values in moved.values()), default=0.0) or 1.0
     rotation = upright(model.mean, up)
@@ -55,24 +91,62 @@ def modes(model: ShapeModel, path, *, title: str = "", unit: str = "mm", up: Opt
     top, bottom = 1.0, 1.2
     figure = plt.figure(figsize=(width, picture + top + bottom), dpi=170, facecolor="white")
     height = picture + top + bottom
-    figure.text(0.25 / width, 1 - 0.3 / height, title or "Mean shape and modes", fontsize=17, color=INK, weight="bold", va="center")
+    figure.text(
+        0.25 / width,
+        1 - 0.3 / height,
+        title or "Mean shape and modes",
+        fontsize=17,
+        color=INK,
+        weight="bold",
+        va="center",
+    )
     for m in range(shown):
         left = (0.1 + m * (width - 0.2) / shown) / width
         wide = (width - 0.2) / shown / width
         share = model.eigenvalues[m] / model.total_variance
-        figure.text(left + wide / 2, 1 - 0.8 / height, f"mode {m + 1}: {100 * share:.1f} % of the variance", fontsize=13, color=INK,
-                    ha="center", va="center")
+        figure.text(
+            left + wide / 2,
+            1 - 0.8 / height,
+            f"mode {m + 1}: {100 * share:.1f} % of the variance",
+            fontsize=13,
+            color=INK,
+            ha="center",
+            va="center",
+        )
         for k, sign in enumerate((-1, 0, 1)):
-            axis = figure.add_axes([left + 0.02 * wide + k * 0.32 * wide, bottom / height, 0.32 * wide, picture / height])
+            axis = figure.add_axes(
+                [
+                    left + 0.02 * wide + k * 0.32 * wide,
+                    bottom / height,
+                    0.32 * wide,
+                    picture / height,
+                ]
+            )
             axis.imshow(image((m, sign)))
             axis.axis("off")
             words = "mean" if sign == 0 else f"{MINUS if sign < 0 else '+'}{deviations:g} sd"
-            figure.text(left + 0.02 * wide + (k + 0.5) * 0.32 * wide, (bottom - 0.15) / height, words, fontsize=12, color=GREY, ha="center",
-                        va="center")
+            figure.text(
+                left + 0.02 * wide + (k + 0.5) * 0.32 * wide,
+                (bottom - 0.15) / height,
+                words,
+                fontsize=12,
+                color=GREY,
+                ha="center",
+                va="center",
+            )
     bar = figure.add_axes([0.33, 0.52 / height, 0.34, 0.16 / height])
-    bar.imshow(displacement_colors(np.linspace(-reach, reach, 512), reach)[None], aspect="auto", extent=[-reach, reach, 0, 1])
+    bar.imshow(
+        displacement_colors(np.linspace(-reach, reach, 512), reach)[None],
+        aspect="auto",
+        extent=[-reach, reach, 0, 1],
+    )
     bar.set_yticks([])
-    bar.set_xticks([-reach, 0, reach], [f"{reach:.1f} {unit} inwards", "0", f"{reach:.1f} {unit} outwards"], fontsize=11, color=GREY)
+    bar.set_xticks(
+        [-reach, 0, reach],
+        [f"{reach:.1f} {unit} inwards", "0", f"{reach:.1f} {unit} outwards"],
+        fontsize=11,
+        color=GREY,
+    )
     bar.tick_params(length=0)
     for spine in bar.spines.values():
         spine.set_visible(False)
@@ -85,9 +159,29 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     plt = matplotlib_pyplot()
     figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=170)
     count = np.arange(1, len(model.modes) + 1)
-    panels = (("Compactness", "share of the variance, %", 100 * model.figures["variance_share"], None, INK),
-              ("Generalisation", f"distance of a shape left out, {unit}", model.generalisation, model.figures["generalisation_error"], ROBUST),
-              ("Specificity", f"distance of a random shape, {unit}", model.specificity, model.figures["specificity_error"], PUBLISHED))
+    panels = (
+        (
+            "Compactness",
+            "share of the variance, %",
+            100 * model.figures["variance_share"],
+            None,
+            INK,
+        ),
+        (
+            "Generalisation",
+            f"distance of a shape left out, {unit}",
+            model.generalisation,
+            model.figures["generalisation_error"],
+            ROBUST,
+        ),
+        (
+            "Specificity",
+            f"distance of a random shape, {unit}",
+            model.specificity,
+            model.figures["specificity_error"],
+            PUBLISHED,
+        ),
+    )
     for axis, (title, label, values, error, color) in zip(axes, panels):
         if error is not None:
             axis.fill_between(count, values - error, values + error, color=color, alpha=0.18, lw=0)
@@ -104,7 +198,14 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     plt.close(figure)
 
 
-def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3, phases: Optional[Sequence[int]] = None) -> None:
+def scores(
+    model: ShapeModel,
+    path,
+    *,
+    closed: bool = False,
+    shown: int = 3,
+    phases: Optional[Sequence[int]] = None,
+) -> None:
     """Scores of the first modes over the phases, in standard deviations; and the way through the plane of the first two.
 
     closed: the last phase is followed by the first. phases: their numbers; default: from 0.
@@ -114,12 +215,26 @@ def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3, pha
     units = model.scores[:, :shown] / np.sqrt(model.eigenvalues[:shown])
     phases = np.arange(len(units)) if phases is None else np.asarray(phases)
     plane = shown > 1
-    figure, axes = plt.subplots(1, 1 + plane, figsize=(12.4 if plane else 7.6, 4.6), dpi=170, squeeze=False,
-                                gridspec_kw={"width_ratios": (1.55, 1)[:1 + plane]})
+    figure, axes = plt.subplots(
+        1,
+        1 + plane,
+        figsize=(12.4 if plane else 7.6, 4.6),
+        dpi=170,
+        squeeze=False,
+        gridspec_kw={"width_ratios": (1.55, 1)[: 1 + plane]},
+    )
     over, *rest = axes[0]
     shares = 100 * model.eigenvalues / model.total_variance
     for m in range(shown):
-        over.plot(phases, units[:, m], color=MODE_COLORS[m % 3], lw=2.2, marker="o", ms=4, label=f"mode {m + 1} ({shares[m]:.1f} %)")
+        over.plot(
+            phases,
+            units[:, m],
+            color=MODE_COLORS[m % 3],
+            lw=2.2,
+            marker="o",
+            ms=4,
+            label=f"mode {m + 1} ({shares[m]:.1f} %)",
+        )
     over.axhline(0, color="#9ca3af", lw=0.8)
     over.set_title("Scores over the phases", fontsize=13, color=INK, loc="left", weight="bold")
     over.set_xlabel("phase", fontsize=11, color=GREY)
@@ -131,14 +246,27 @@ def scores(model: ShapeModel, path, *, closed: bool = False, shown: int = 3, pha
     over.legend(fontsize=10.5, loc="upper left", ncol=3, labelcolor=INK, frameon=False)
     quiet_axes(over)
     for axis in rest:
-        way = np.r_[0:len(phases), 0] if closed else np.arange(len(phases))
+        way = np.r_[0 : len(phases), 0] if closed else np.arange(len(phases))
         axis.plot(units[way, 0], units[way, 1], color="#9ca3af", lw=1.4, zorder=1)
-        colors = plt.get_cmap("twilight_shifted" if closed else "viridis")(np.linspace(0.1, 0.9, len(phases)))
-        axis.scatter(units[:, 0], units[:, 1], c=colors, s=46, zorder=2, edgecolors="white", linewidths=0.8)
+        colors = plt.get_cmap("twilight_shifted" if closed else "viridis")(
+            np.linspace(0.1, 0.9, len(phases))
+        )
+        axis.scatter(
+            units[:, 0], units[:, 1], c=colors, s=46, zorder=2, edgecolors="white", linewidths=0.8
+        )
         step = max(1, len(phases) // 6)
         for i in range(0, len(phases) - step // 2, step):
-            axis.annotate(str(phases[i]), units[i, :2], textcoords="offset points", xytext=(7, 5), fontsize=10, color=INK)
-        axis.set_title("The way through the first two modes", fontsize=13, color=INK, loc="left", weight="bold")
+            axis.annotate(
+                str(phases[i]),
+                units[i, :2],
+                textcoords="offset points",
+                xytext=(7, 5),
+                fontsize=10,
+                color=INK,
+            )
+        axis.set_title(
+            "The way through the first two modes", fontsize=13, color=INK, loc="left", weight="bold"
+        )
         axis.set_xlabel("mode 1, standard deviations", fontsize=11, color=GREY)
         axis.set_ylabel("mode 2, standard deviations", fontsize=11, color=GREY)
         axis.margins(0.12)
@@ -155,13 +283,38 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
     values = np.abs([surface.volume for surface in row.result.surfaces]) / per_unit
     figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=170)
     phases = row.numbers()
-    axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=f"{row.title}" if truth is not None else None)
+    axis.plot(
+        phases,
+        values,
+        color=ROBUST,
+        lw=2.4,
+        marker="o",
+        ms=4,
+        label=f"{row.title}" if truth is not None else None,
+    )
     if truth is not None:
-        axis.plot(phases, np.abs(truth) / per_unit, color=GREY, lw=1.8, ls=(0, (4, 3)), label="the phantom itself")
+        axis.plot(
+            phases,
+            np.abs(truth) / per_unit,
+            color=GREY,
+            lw=1.8,
+            ls=(0, (4, 3)),
+            label="the phantom itself",
+        )
     others = values if truth is None else np.abs(truth) / per_unit
     most, least = int(values.argmax()), int(values.argmin())
-    for phase, at, above in ((most, max(values[most], others[most]), 10), (least, min(values[least], others[least]), -19)):
-        axis.annotate(f"{values[phase]:.4g} {unit}", (phases[phase], at), textcoords="offset points", xytext=(8, above), fontsize=11, color=INK)
+    for phase, at, above in (
+        (most, max(values[most], others[most]), 10),
+        (least, min(values[least], others[least]), -19),
+    ):
+        axis.annotate(
+            f"{values[phase]:.4g} {unit}",
+            (phases[phase], at),
+            textcoords="offset points",
+            xytext=(8, above),
+            fontsize=11,
+            color=INK,
+        )
     title = "Volume over the phases"
     if row.result.order == "Cyclic time" and values.max() > 0:
         title += f": {100 * (1 - values.min() / values.max()):.0f} % ejected"

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Label volumes as NIfTI files."""
+
 from __future__ import annotations
 
 import gzip
@@ -26,4 +28,6 @@ def write_nifti(path, labels: np.ndarray, affine: np.ndarray, seconds: float = 0
     header[344:348] = b"n+1\0"
     content = bytes(header) + bytes(4) + labels.tobytes(order="F")
     path = Path(path)
-    path.write_bytes(gzip.compress(content, mtime=0) if path.name.lower().endswith(".gz") else content)
+    path.write_bytes(
+        gzip.compress(content, mtime=0) if path.name.lower().endswith(".gz") else content
+    )

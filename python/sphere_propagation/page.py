@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """One HTML page with everything that a run has to show: pictures and tables inside, nothing from the network."""
+
 from __future__ import annotations
 
 import base64
@@ -63,11 +65,16 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
         parts.append(f"<p>{html.escape(chapter.text)}</p>" if chapter.text else "")
         parts += [_figure(picture) for picture in chapter.pictures if picture.path.is_file()]
         parts += [_table(table) for table in chapter.tables]
-    parts.append(f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are inside this file.</footer>")
+    parts.append(
+        f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are inside this file.</footer>"
+    )
     body = "\n".join(filter(None, parts))
-    Path(path).write_text(f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
-                          f'content="width=device-width, initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n'
-                          f"</head>\n<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n", encoding="utf-8")
+    Path(path).write_text(
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
+        f'content="width=device-width, initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n'
+        f"</head>\n<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n",
+        encoding="utf-8",
+    )
 
 
 def summary_table(runs: Sequence[report.Run]) -> Table:
@@ -78,24 +85,58 @@ def summary_table(runs: Sequence[report.Run]) -> Table:
 
 def layer_table(run: report.Run) -> Table:
     """One row per layer."""
-    columns = [("layer", "layer"), ("vertices", "vertices"), ("flipped_faces", "flips"), ("area_ratio_sd", "area ratio sd"),
-               ("angle_error_mean", "angle error, °"), ("residual_mean", "residual"), ("surface_distance_mean", "landmark mesh to surface"),
-               ("error_mm", "error, mm"), ("seconds", "s")]
+    columns = [
+        ("layer", "layer"),
+        ("vertices", "vertices"),
+        ("flipped_faces", "flips"),
+        ("area_ratio_sd", "area ratio sd"),
+        ("angle_error_mean", "angle error, °"),
+        ("residual_mean", "residual"),
+        ("surface_distance_mean", "landmark mesh to surface"),
+        ("error_mm", "error, mm"),
+        ("seconds", "s"),
+    ]
     rows = report.rows(run)
-    columns = [(key, words) for key, words in columns if any(row.get(key, "") != "" for row in rows)]
-    cells = [[_short(row.get(key, "")) + (" (root)" if key == "layer" and row["root"] else "") for key, _ in columns] for row in rows]
-    return Table(f"Every layer: {run.data}, {run.result.method.lower()}", [words for _, words in columns], cells, folded=True)
+    columns = [
+        (key, words) for key, words in columns if any(row.get(key, "") != "" for row in rows)
+    ]
+    cells = [
+        [
+            _short(row.get(key, "")) + (" (root)" if key == "layer" and row["root"] else "")
+            for key, _ in columns
+        ]
+        for row in rows
+    ]
+    return Table(
+        f"Every layer: {run.data}, {run.result.method.lower()}",
+        [words for _, words in columns],
+        cells,
+        folded=True,
+    )
 
 
 def model_table(model: ShapeModel, most: int = 10) -> Table:
     """One row per number of modes."""
+
     def with_error(name: str, m: int) -> str:
         return f"{model.figures[name][m]:.3f} ± {model.figures[name + '_error'][m]:.3f}"
 
-    rows = [[str(m + 1), f"{model.eigenvalues[m]:.4g}", f"{100 * model.figures['variance_share'][m]:.2f} %", with_error("generalisation", m),
-             with_error("specificity", m)] for m in range(min(most, len(model.modes)))]
-    return Table("The shape model by number of modes", ["modes", "eigenvalue", "share of the variance", "generalisation", "specificity"],
-                 rows, words=0)
+    rows = [
+        [
+            str(m + 1),
+            f"{model.eigenvalues[m]:.4g}",
+            f"{100 * model.figures['variance_share'][m]:.2f} %",
+            with_error("generalisation", m),
+            with_error("specificity", m),
+        ]
+        for m in range(min(most, len(model.modes)))
+    ]
+    return Table(
+        "The shape model by number of modes",
+        ["modes", "eigenvalue", "share of the variance", "generalisation", "specificity"],
+        rows,
+        words=0,
+    )
 
 
 def _short(value) -> str:
@@ -108,17 +149,34 @@ def _short(value) -> str:
 def _figure(picture: Picture) -> str:
     data = base64.b64encode(picture.path.read_bytes()).decode()
     caption = html.escape(picture.caption)
-    return (f'<figure{" class=narrow" if picture.narrow else ""}><img src="data:image/png;base64,{data}" alt="{caption}">'
-            f"<figcaption>{caption}</figcaption></figure>")
+    return (
+        f'<figure{" class=narrow" if picture.narrow else ""}><img src="data:image/png;base64,{data}" alt="{caption}">'
+        f"<figcaption>{caption}</figcaption></figure>"
+    )
 
 
 def _table(table: Table) -> str:
     def row(cells: Sequence[str], tag: str) -> str:
-        return "<tr>" + "".join(f"<{tag}{' class=words' if k < table.words else ''}>{html.escape(cell)}</{tag}>"
-                                for k, cell in enumerate(cells)) + "</tr>"
+        return (
+            "<tr>"
+            + "".join(
+                f"<{tag}{' class=words' if k < table.words else ''}>{html.escape(cell)}</{tag}>"
+                for k, cell in enumerate(cells)
+            )
+            + "</tr>"
+        )
 
-    lines: List[str] = ['<div class="scroll"><table>', f"<thead>{row(table.head, 'th')}</thead>", "<tbody>",
-                        *(row(cells, "td") for cells in table.rows), "</tbody></table></div>"]
+    lines: List[str] = [
+        '<div class="scroll"><table>',
+        f"<thead>{row(table.head, 'th')}</thead>",
+        "<tbody>",
+        *(row(cells, "td") for cells in table.rows),
+        "</tbody></table></div>",
+    ]
     content = "\n".join(lines)
     title = html.escape(table.title)
-    return f"<details><summary>{title}</summary>{content}</details>" if table.folded else f"<h3>{title}</h3>{content}"
+    return (
+        f"<details><summary>{title}</summary>{content}</details>"
+        if table.folded
+        else f"<h3>{title}</h3>{content}"
+    )

@@ -1,9 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The truth of the phantom: where each material point of the beating ventricle is at each phase.
 
 The motion is the plugin's (vcg_ext/volume/ventricle_phantom.h), written again in numpy with the same constants and the same random
 numbers. Landmarks are judged against this function and not against the per-vertex attribute `material_coordinate`: that one is
 known at the layers' vertices only, which lie up to half a voxel off the ventricle's own surface; the function is exact everywhere.
 """
+
 from __future__ import annotations
 
 from typing import NamedTuple, Tuple
@@ -43,7 +45,11 @@ class Ventricle:
     def contraction(self, phase: float) -> float:
         """From 0 at end-diastole (phase 0) to 1 at end-systole (0.35 of the cycle)."""
         time = phase / self.phases
-        return np.sin(np.pi * time / 0.7) ** 2 if time < 0.35 else np.cos(np.pi * (time - 0.35) / 1.3) ** 2
+        return (
+            np.sin(np.pi * time / 0.7) ** 2
+            if time < 0.35
+            else np.cos(np.pi * (time - 0.35) / 1.3) ** 2
+        )
 
     def position(self, u, theta, m, phase: float) -> np.ndarray:
         """Where material points are, (..., 3) in mm; u, theta and m broadcast."""
@@ -51,8 +57,11 @@ class Ventricle:
         away = np.remainder(theta - self.infarct_theta + np.pi, 2 * np.pi) - np.pi
         infarct = np.exp(-0.5 * (away / 0.5) ** 2 - 0.5 * ((u - self.infarct_u) / 0.18) ** 2)
         local = contraction * (1 - 0.9 * infarct)
-        radius = (1 - 0.36 * local) * (1 + self.bulges[0] * np.cos(2 * theta)
-                                       + u * (self.bulges[1] * np.sin(3 * theta) + self.bulges[2] * np.cos(theta)))
+        radius = (1 - 0.36 * local) * (
+            1
+            + self.bulges[0] * np.cos(2 * theta)
+            + u * (self.bulges[1] * np.sin(3 * theta) + self.bulges[2] * np.cos(theta))
+        )
         outward = 9 * (1 + 0.45 * local) * m
         phi, turned = 0.625 * np.pi * u, theta + self.twist * contraction * (1 - u)
         x = (self.width * radius + outward) * np.sin(phi) * np.cos(turned)
@@ -61,13 +70,18 @@ class Ventricle:
         x = x + self.bend * np.sin(np.pi * (z / self.length + 0.6) / 1.2)
         return np.stack(np.broadcast_arrays(x, y, z), -1)
 
-    def scan(self, spacing: Tuple[float, float, float] = SCAN_SPACING) -> Tuple[np.ndarray, np.ndarray]:
+    def scan(
+        self, spacing: Tuple[float, float, float] = SCAN_SPACING
+    ) -> Tuple[np.ndarray, np.ndarray]:
         """What a scanner and somebody who draws outlines leave of it: labels (x, y, z, phase), 1 the cavity and 2 the wall, below the
         plane of the base; and the affine matrix (4, 4) from indices to mm. A voxel has the label of the tissue at its centre. The slices
         lie where as few as possible leave the cavity or come into it during the cycle, as one plans a scan.
         """
         u, theta = np.linspace(0, 1, 241), np.linspace(0, 2 * np.pi, 181)
-        sheets = [[self.position(u[:, None], theta, m, phase) for m in (1.0, 0.0)] for phase in range(self.phases)]
+        sheets = [
+            [self.position(u[:, None], theta, m, phase) for m in (1.0, 0.0)]
+            for phase in range(self.phases)
+        ]
         outer = np.concatenate([sheet[0].reshape(-1, 3) for sheet in sheets])
         spacing = np.asarray(spacing, float)
         origin = np.floor(outer.min(0) / spacing - 1) * spacing
@@ -87,7 +101,12 @@ class Ventricle:
 
     def _slice_offset(self, gap: float) -> float:
         """0 to gap: where the slices of a scan lie best."""
-        ends = np.array([self.position(np.array([0.0, 1.0]), 0.0, 0.0, phase)[:, 2] for phase in range(self.phases)])
+        ends = np.array(
+            [
+                self.position(np.array([0.0, 1.0]), 0.0, 0.0, phase)[:, 2]
+                for phase in range(self.phases)
+            ]
+        )
         offsets = np.linspace(0, gap, 41)[:-1]
         first, last = (np.floor((ends[:, end, None] - offsets) / gap) for end in (0, 1))
         changes = np.ptp(first, 0) + np.ptp(last, 0)
@@ -101,17 +120,29 @@ class Ventricle:
         """
         sheets = []
         for m in self.sheets:
-            u, theta = (grid.ravel() for grid in np.meshgrid(np.linspace(0, RIM, 60), np.linspace(0, 2 * np.pi, 121)[:-1], indexing="ij"))
+            u, theta = (
+                grid.ravel()
+                for grid in np.meshgrid(
+                    np.linspace(0, RIM, 60), np.linspace(0, 2 * np.pi, 121)[:-1], indexing="ij"
+                )
+            )
             start = _nearest(points, self.position(u, theta, m, phase))
             q = np.stack([u[start] * np.cos(theta[start]), u[start] * np.sin(theta[start])], -1)
             sheets.append(self._closest(points, q, m, phase))
         best = sheets[0]
         for found in sheets[1:]:
-            best = MaterialPoints(*(np.where(found.distance < best.distance, new, old) for new, old in zip(found, best)))
+            best = MaterialPoints(
+                *(
+                    np.where(found.distance < best.distance, new, old)
+                    for new, old in zip(found, best)
+                )
+            )
         return best
 
     def _closest(self, points, q, m, phase):
-        at = lambda q: self.position(np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), m, phase)
+        at = lambda q: self.position(
+            np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), m, phase
+        )
         distance = np.linalg.norm(points - at(q), axis=1)
         length, h = np.ones(len(q)), 1e-6
         for _ in range(30):
@@ -124,7 +155,9 @@ class Ventricle:
             better = found < distance
             q, distance = np.where(better[:, None], trial, q), np.where(better, found, distance)
             length = np.where(better, 1.0, length / 2)
-        return MaterialPoints(np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), np.full(len(q), m), distance)
+        return MaterialPoints(
+            np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), np.full(len(q), m), distance
+        )
 
     def errors(self, landmarks: np.ndarray, root: int = 0) -> np.ndarray:
         """Mean distance (mm), phase by phase, of landmarks (phases, n, 3) from the tissue that they lie on at the root's phase.
@@ -134,19 +167,33 @@ class Ventricle:
         tissue = self.material_points(landmarks[root], root)
         known = tissue.distance < TRUSTED
         u, theta, m = tissue.u[known], tissue.theta[known], tissue.m[known]
-        return np.array([np.linalg.norm(points[known] - self.position(u, theta, m, phase), axis=1).mean()
-                         for phase, points in enumerate(landmarks)])
+        return np.array(
+            [
+                np.linalg.norm(points[known] - self.position(u, theta, m, phase), axis=1).mean()
+                for phase, points in enumerate(landmarks)
+            ]
+        )
 
 
 def _nearest(points, samples):
     """Index of the sample that is closest to each point."""
-    squares = (samples ** 2).sum(1)
-    return np.concatenate([(squares - 2 * chunk @ samples.T).argmin(1) for chunk in np.array_split(points, 1 + len(points) // 500)])
+    squares = (samples**2).sum(1)
+    return np.concatenate(
+        [
+            (squares - 2 * chunk @ samples.T).argmin(1)
+            for chunk in np.array_split(points, 1 + len(points) // 500)
+        ]
+    )
 
 
 def _outline(sheet, height):
     """Where a sheet, rows of points from apex to base, meets a plane z = height: a closed polygon, x and y."""
-    return np.array([[np.interp(height, column[:, 2], column[:, k]) for k in range(2)] for column in sheet.transpose(1, 0, 2)])
+    return np.array(
+        [
+            [np.interp(height, column[:, 2], column[:, k]) for k in range(2)]
+            for column in sheet.transpose(1, 0, 2)
+        ]
+    )
 
 
 def _inside(x, y, polygon):

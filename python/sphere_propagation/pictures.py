@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Pictures of maps, landmarks and errors as PNG files, rendered off screen with PyVista and set with Matplotlib.
 
 All surfaces of one picture are seen from one side and at one scale, so that what moves is the heart and not the camera.
 """
+
 from __future__ import annotations
 
 import ctypes
@@ -18,7 +20,9 @@ from .correspondence import Correspondence
 from .views import Row, chosen_phases, sphere_rotation, upright
 
 if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no display: say so instead of trying one
+    os.environ.setdefault(
+        "VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow"
+    )  # no display: say so instead of trying one
 
 WIDTH = 2400  # pixels
 NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
@@ -44,22 +48,39 @@ def what_is_missing() -> str:
 
 def landmarks_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
     """The landmarks of some phases: same colour, same landmark (figure 2 of the paper)."""
+
     def draw(scene, result, phase):
         surface, points = result.surfaces[phase], result.landmarks[phase]
-        scene.surface(surface.vertices, surface.faces, np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95]))
+        scene.surface(
+            surface.vertices, surface.faces, np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95])
+        )
         scene.balls(points, landmark_colors(len(points)), 0.27 * _spacing(result))
 
     count = rows[0].result.landmarks.shape[1]
-    _phases(rows, path, columns, draw, f"{count} landmarks on every phase: the same colour is the same landmark", count)
+    _phases(
+        rows,
+        path,
+        columns,
+        draw,
+        f"{count} landmarks on every phase: the same colour is the same landmark",
+        count,
+    )
 
 
 def maps_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
     """One checkerboard of the sphere, drawn on some phases through their maps: same field, same place."""
+
     def draw(scene, result, phase):
         surface = result.surfaces[phase]
         scene.checkerboard(surface.vertices, surface.faces, result.maps[phase].positions)
 
-    _phases(rows, path, columns, draw, "Latitude and longitude of the sphere on every phase: the same field is the same place")
+    _phases(
+        rows,
+        path,
+        columns,
+        draw,
+        "Latitude and longitude of the sphere on every phase: the same field is the same place",
+    )
 
 
 def root_and_sphere(rows: Sequence[Row], path) -> None:
@@ -81,15 +102,19 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
     for row in rows:
         figures, root = row.result.figures, row.result.root
         whose = f"{row.title}, " if len(rows) > 1 else ""
-        captions += [f"{whose}{len(row.result.surfaces[root].faces)} triangles",
-                     f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd {figures['area_ratio_sd'][root]:.4f}"]
+        captions += [
+            f"{whose}{len(row.result.surfaces[root].faces)} triangles",
+            f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd {figures['area_ratio_sd'][root]:.4f}",
+        ]
     _set([panels], [captions], path, "A surface and its area-preserving map to the sphere")
 
 
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
     """Error against known material points, one panel per row; `errors`: method -> mm per phase, one dict per row."""
     plt = matplotlib_pyplot()
-    figure, axes = plt.subplots(1, len(rows), figsize=(5.2 * len(rows) + 0.6, 4.2), dpi=200, sharey=True, squeeze=False)
+    figure, axes = plt.subplots(
+        1, len(rows), figsize=(5.2 * len(rows) + 0.6, 4.2), dpi=200, sharey=True, squeeze=False
+    )
     top = max(values.max() for found in errors for values in found.values())
     for axis, row, found in zip(axes[0], rows, errors):
         for (method, values), color in zip(found.items(), (ROBUST, PUBLISHED)):
@@ -99,10 +124,21 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
         axis.set_xlabel("phase", fontsize=11, color=GREY)
         axis.set_xlim(-0.5, len(values) - 0.5)
         axis.set_ylim(0, 1.3 * top)
-        axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top])  # none behind the legend
+        axis.set_yticks(
+            [tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top]
+        )  # none behind the legend
         quiet_axes(axis)
-        axis.legend(fontsize=10.5, loc="upper left", labelcolor=INK, frameon=True, framealpha=1, edgecolor="white")
-    axes[0][0].set_ylabel("mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY)
+        axis.legend(
+            fontsize=10.5,
+            loc="upper left",
+            labelcolor=INK,
+            frameon=True,
+            framealpha=1,
+            edgecolor="white",
+        )
+    axes[0][0].set_ylabel(
+        "mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY
+    )
     figure.tight_layout(w_pad=2.5)
     figure.savefig(path, facecolor="white")
     plt.close(figure)
@@ -115,14 +151,16 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
     lines = []  # of the picture: row and its phases
     for row in rows:
         phases = chosen_phases(len(row.result.surfaces), columns, 2 if len(rows) == 1 else 1)
-        lines += [(row, phases[i:i + columns]) for i in range(0, len(phases), columns)]
+        lines += [(row, phases[i : i + columns]) for i in range(0, len(phases), columns)]
     frames = []
     for row in rows:
         root = row.result.surfaces[row.result.root]
         rotation = upright(root.vertices, row.up)
         seen = np.concatenate([surface.vertices for surface in row.result.surfaces]) @ rotation.T
         low, high = seen.min(0), seen.max(0)
-        frames.append((rotation, (low + high) / 2, (high - low)[:2] / 2 + 0.6 * _spacing(row.result)))
+        frames.append(
+            (rotation, (low + high) / 2, (high - low)[:2] / 2 + 0.6 * _spacing(row.result))
+        )
     width = max(extent[0] for _, _, extent in frames)
     scale = WIDTH / (2.1 * width * max(len(phases) for _, phases in lines))
     panels, captions, names = [], [], []
@@ -136,7 +174,11 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
             draw(scene, row.result, phase)
             panels[-1].append(scene.image())
             surface = row.result.surfaces[phase]
-            captions[-1].append(f"phase {row.numbers()[phase]}, {abs(surface.volume) / 1000:.0f} ml" if row.unit == "mm" else surface.name)
+            captions[-1].append(
+                f"phase {row.numbers()[phase]}, {abs(surface.volume) / 1000:.0f} ml"
+                if row.unit == "mm"
+                else surface.name
+            )
     _set(panels, captions, path, title, names, landmark_count)
 
 
@@ -145,15 +187,31 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
     plt = matplotlib_pyplot()
     gap, line, margin, head = 26, 54, 40, 110
     foot = 120 if landmark_count else 40
-    width = max(sum(image.shape[1] for image in row) + gap * (len(row) - 1) for row in panels) + 2 * margin
-    named = [bool(names) and (i == 0 or names[i] != names[i - 1]) and len(set(names)) > 1 for i in range(len(panels))]
+    width = (
+        max(sum(image.shape[1] for image in row) + gap * (len(row) - 1) for row in panels)
+        + 2 * margin
+    )
+    named = [
+        bool(names) and (i == 0 or names[i] != names[i - 1]) and len(set(names)) > 1
+        for i in range(len(panels))
+    ]
     heights = [row[0].shape[0] + line + (line if name else 0) for row, name in zip(panels, named)]
     height = head + sum(heights) + gap * (len(panels) - 1) + foot
     dpi = 200
     figure = plt.figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor="white")
     points = 72 / dpi  # per pixel
-    text = lambda x, y, words, size, **style: figure.text(x / width, 1 - y / height, words, fontsize=size * points, **style)
-    text(margin, 62, title, min(40, (width - 2 * margin) / (0.68 * len(title))), color=INK, weight="bold", va="center")
+    text = lambda x, y, words, size, **style: figure.text(
+        x / width, 1 - y / height, words, fontsize=size * points, **style
+    )
+    text(
+        margin,
+        62,
+        title,
+        min(40, (width - 2 * margin) / (0.68 * len(title))),
+        color=INK,
+        weight="bold",
+        va="center",
+    )
     top = head
     for i, (row, words) in enumerate(zip(panels, captions)):
         y = top
@@ -174,7 +232,15 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
         bar.imshow(landmark_colors(landmark_count)[None], aspect="auto", interpolation="none")
         bar.axis("off")
         text(0.353 * width, height - 77, "landmark 0", 26, color=GREY, ha="right", va="center")
-        text(0.647 * width, height - 77, f"{landmark_count - 1}", 26, color=GREY, ha="left", va="center")
+        text(
+            0.647 * width,
+            height - 77,
+            f"{landmark_count - 1}",
+            26,
+            color=GREY,
+            ha="left",
+            va="center",
+        )
     figure.savefig(path, facecolor="white")
     plt.close(figure)
 
@@ -187,8 +253,10 @@ def _spacing(result: Correspondence) -> float:
 
 def matplotlib_pyplot():
     import matplotlib
+
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     return plt
 
 
@@ -211,12 +279,26 @@ class Scene:
 
     def __init__(self, rotation, center, extent, scale):
         import pyvista
+
         self.pyvista, self.rotation, self.center = pyvista, rotation, center
         size = np.maximum(2 * np.round(extent * scale), 2).astype(int)
-        self.plotter = pyvista.Plotter(off_screen=True, window_size=[int(n) for n in size], lighting="none")
+        self.plotter = pyvista.Plotter(
+            off_screen=True, window_size=[int(n) for n in size], lighting="none"
+        )
         self.plotter.set_background("white")
-        for position, intensity in (((-1.0, 1.6, 2.2), 0.80), ((1.6, 0.2, 1.6), 0.34), ((0, -1.5, 1.0), 0.16)):
-            self.plotter.add_light(pyvista.Light(position=position, focal_point=(0, 0, 0), intensity=intensity, light_type="scene light"))
+        for position, intensity in (
+            ((-1.0, 1.6, 2.2), 0.80),
+            ((1.6, 0.2, 1.6), 0.34),
+            ((0, -1.5, 1.0), 0.16),
+        ):
+            self.plotter.add_light(
+                pyvista.Light(
+                    position=position,
+                    focal_point=(0, 0, 0),
+                    intensity=intensity,
+                    light_type="scene light",
+                )
+            )
         far = 10 * extent.max()
         self.plotter.camera_position = [(0, 0, far), (0, 0, 0), (0, 1, 0)]
         self.plotter.camera.parallel_projection = True
@@ -237,18 +319,35 @@ class Scene:
         mesh["position"] = positions
         if len(faces) < 100_000:
             mesh = mesh.subdivide(2 if len(faces) < 25_000 else 1, "linear")
-        corners = mesh.faces.reshape(-1, 4)[:, 1:].ravel()  # each triangle gets corners of its own: longitudes jump at the date line
-        points, normals, positions = (np.asarray(values)[corners] for values in (mesh.points, mesh["normal"], mesh["position"]))
+        corners = mesh.faces.reshape(-1, 4)[
+            :, 1:
+        ].ravel()  # each triangle gets corners of its own: longitudes jump at the date line
+        points, normals, positions = (
+            np.asarray(values)[corners]
+            for values in (mesh.points, mesh["normal"], mesh["position"])
+        )
         if spherical:
             points = normals = points / np.linalg.norm(points, axis=1, keepdims=True)
-        longitude, latitude = sphere_coordinates(positions / np.linalg.norm(positions, axis=1, keepdims=True))
+        longitude, latitude = sphere_coordinates(
+            positions / np.linalg.norm(positions, axis=1, keepdims=True)
+        )
         triple, first = longitude.reshape(-1, 3), longitude[::3, None]
         triple = first + (triple - first + 0.5) % 1 - 0.5
         at_pole = np.abs(latitude.reshape(-1, 3)) > 1 - 1e-9
-        triple = np.where(at_pole, (triple * ~at_pole).sum(1, keepdims=True) / np.maximum((~at_pole).sum(1, keepdims=True), 1), triple)
-        fine = self.pyvista.PolyData(points, np.c_[np.full(len(triple), 3), np.arange(3 * len(triple)).reshape(-1, 3)].ravel())
+        triple = np.where(
+            at_pole,
+            (triple * ~at_pole).sum(1, keepdims=True)
+            / np.maximum((~at_pole).sum(1, keepdims=True), 1),
+            triple,
+        )
+        fine = self.pyvista.PolyData(
+            points,
+            np.c_[np.full(len(triple), 3), np.arange(3 * len(triple)).reshape(-1, 3)].ravel(),
+        )
         fine.point_data.active_normals = np.asarray(normals, np.float32)
-        fine.active_texture_coordinates = np.c_[(triple.ravel() + 1) / 3, (latitude + 1) / 2].astype(np.float32)
+        fine.active_texture_coordinates = np.c_[
+            (triple.ravel() + 1) / 3, (latitude + 1) / 2
+        ].astype(np.float32)
         self._add(fine, texture=_checkerboard_texture(self.pyvista))
 
     def balls(self, centers, colors, radius):
@@ -261,7 +360,9 @@ class Scene:
         if colors is not None:
             mesh["colors"] = _bytes(colors)
         paint = {"texture": texture} if texture is not None else {"scalars": "colors", "rgb": True}
-        actor = self.plotter.add_mesh(mesh, **paint, ambient=ambient, diffuse=0.80, specular=specular, specular_power=18)
+        actor = self.plotter.add_mesh(
+            mesh, **paint, ambient=ambient, diffuse=0.80, specular=specular, specular_power=18
+        )
         actor.prop.interpolation = "Phong"
 
     def image(self) -> np.ndarray:
@@ -275,7 +376,9 @@ class Scene:
 def _checkerboard_texture(pyvista):
     """Three turns of longitude side by side, so that a triangle across the date line finds its colours."""
     longitude, latitude = (np.arange(2016) + 0.5) / 2016, (np.arange(1000, 0, -1) - 0.5) / 500 - 1
-    texture = pyvista.Texture(np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1)))
+    texture = pyvista.Texture(
+        np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))
+    )
     texture.interpolate, texture.mipmap = True, True
     return texture
 
@@ -289,7 +392,10 @@ def _soft_normals(vertices, faces, rounds=3):
     a = vertices[faces]
     face = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
     for _ in range(rounds + 1):
-        sums = np.stack([np.bincount(faces.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)], 1)
+        sums = np.stack(
+            [np.bincount(faces.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)],
+            1,
+        )
         normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
         face = normals[faces].mean(1)
     return normals

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Finding the plugins and registering their filters with PyMeshLab."""
+
 from __future__ import annotations
 
 import ctypes
@@ -12,7 +14,9 @@ from .errors import PluginError
 
 LIBRARY = "libfilter_sphere_propagation.so"
 VOLUME_LIBRARY = "libfilter_label_volume.so"  # lies beside the other one, and may be missing
-VARIABLE = "SPHERE_PROPAGATION_PLUGIN"  # for developers: the plugin to take instead of the package's own
+VARIABLE = (
+    "SPHERE_PROPAGATION_PLUGIN"  # for developers: the plugin to take instead of the package's own
+)
 FILTER = "compute_spherical_parameterisation_root"  # one of its filters
 VOLUME_FILTER = "create_layers_from_label_volume"
 PYMESHLAB = "2025.7"  # the series whose interface the plugin is built for
@@ -34,11 +38,17 @@ def find(library: str = LIBRARY) -> Path:
             return found if library == LIBRARY else found.with_name(library)
         raise PluginError(f"There is no {library} beside {named}, which {VARIABLE} names.")
     import sphere_propagation
-    for folder in [*map(Path, sphere_propagation.__path__), Path(__file__).resolve().parents[2] / "build/pymeshlab/plugins"]:
+
+    for folder in [
+        *map(Path, sphere_propagation.__path__),
+        Path(__file__).resolve().parents[2] / "build/pymeshlab/plugins",
+    ]:
         if (folder / library).is_file():
             return folder / library
-    raise PluginError(f"The plugin {library} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
-                      f"name one elsewhere.")
+    raise PluginError(
+        f"The plugin {library} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
+        f"name one elsewhere."
+    )
 
 
 def register():
@@ -55,17 +65,24 @@ def register():
         try:
             pymeshlab.load_plugin(str(library))
         except pymeshlab.PyMeshLabException as error:  # PyMeshLab says in words what does not fit
-            raise PluginError(f"PyMeshLab {pymeshlab_version()} does not load {library}: {error}") from error
+            raise PluginError(
+                f"PyMeshLab {pymeshlab_version()} does not load {library}: {error}"
+            ) from error
         _loaded[LIBRARY] = library
     if VOLUME_FILTER not in known and not _volume_failure:
         try:
             library = find(VOLUME_LIBRARY)
             pymeshlab.load_plugin(str(library))
             _loaded[VOLUME_LIBRARY] = library
-        except (PluginError, pymeshlab.PyMeshLabException) as error:  # everything else works without
+        except (
+            PluginError,
+            pymeshlab.PyMeshLabException,
+        ) as error:  # everything else works without
             _volume_failure = str(_missing_itk(str(error)) or error)
     _filters = sorted({*_filters, *(set(pymeshlab.filter_list()) - set(known))})
-    for name in pymeshlab.filter_list():  # methods of MeshSet, as PyMeshLab makes them of its own filters
+    for (
+        name
+    ) in pymeshlab.filter_list():  # methods of MeshSet, as PyMeshLab makes them of its own filters
         if not hasattr(pymeshlab.MeshSet, name):
             setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
     return pymeshlab
@@ -104,28 +121,42 @@ def pymeshlab_version() -> str:
 def _pymeshlab():
     version = pymeshlab_version()
     if version and not (version + ".").startswith(PYMESHLAB + "."):
-        raise PluginError(f"PyMeshLab {version} is installed, but this plugin is built for {PYMESHLAB}: "
-                          f"pip install 'pymeshlab=={PYMESHLAB}.*'")
+        raise PluginError(
+            f"PyMeshLab {version} is installed, but this plugin is built for {PYMESHLAB}: "
+            f"pip install 'pymeshlab=={PYMESHLAB}.*'"
+        )
     try:
         import pymeshlab
     except ImportError as error:
         if not version:
-            raise PluginError(f"PyMeshLab is not installed: pip install 'pymeshlab=={PYMESHLAB}.*'") from error
-        raise PluginError(f"PyMeshLab {version} cannot be imported: {error}. {_missing_libraries()}".strip()) from error
+            raise PluginError(
+                f"PyMeshLab is not installed: pip install 'pymeshlab=={PYMESHLAB}.*'"
+            ) from error
+        raise PluginError(
+            f"PyMeshLab {version} cannot be imported: {error}. {_missing_libraries()}".strip()
+        ) from error
     return pymeshlab
 
 
 def _check_completeness(count: int) -> None:
     if count < PYMESHLAB_PLUGINS:
-        raise PluginError(f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may not open. "
-                          + (_missing_libraries() or "Install it again: pip install --force-reinstall pymeshlab"))
+        raise PluginError(
+            f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may not open. "
+            + (_missing_libraries() or "Install it again: pip install --force-reinstall pymeshlab")
+        )
 
 
 def _missing_itk(text: str) -> Optional[PluginError]:
     """Says what to do where this is what the dynamic linker says of one of ITK's libraries."""
     library = re.search(r"(libITK[^\s:]*|libitk[^\s:]*): cannot open shared object", text)
-    return PluginError(f"Missing on this system: {library[1]}, a library of ITK. On Debian 12: apt-get install libinsighttoolkit5.2. A wheel "
-                       "of this package has it inside.") if library else None
+    return (
+        PluginError(
+            f"Missing on this system: {library[1]}, a library of ITK. On Debian 12: apt-get install libinsighttoolkit5.2. A wheel "
+            "of this package has it inside."
+        )
+        if library
+        else None
+    )
 
 
 def _missing_libraries() -> str:
@@ -138,5 +169,7 @@ def _missing_libraries() -> str:
             missing.append((library, package))
     if not missing:
         return ""
-    return (f"Missing on this system: {', '.join(library for library, _ in missing)}. On Debian and Ubuntu: "
-            f"apt-get install {' '.join(package for _, package in missing)}")
+    return (
+        f"Missing on this system: {', '.join(library for library, _ in missing)}. On Debian and Ubuntu: "
+        f"apt-get install {' '.join(package for _, package in missing)}"
+    )

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Saying what goes on: lines where output is kept, a bar on a terminal.
 
 PyMeshLab passes no progress on to Python, so a bar moves from one step to the next (one filter, one picture); in between only its
 clock ticks.
 """
+
 from __future__ import annotations
 
 import shutil
@@ -94,7 +96,7 @@ class Bar(Lines):
             text += f"  {self.doing}  {time.monotonic() - self.last:.0f} s"
         with self.lock:
             if not self.closed.is_set():
-                self.stream.write(f"\r\033[K{text[:shutil.get_terminal_size().columns - 1]}")
+                self.stream.write(f"\r\033[K{text[: shutil.get_terminal_size().columns - 1]}")
                 self.stream.flush()
 
 

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """What a correspondence leaves behind: layers as PLY files, and MeshLab projects that show them."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -23,25 +25,38 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
     """
     row = result if isinstance(result, Row) else Row(name, result)
     result = row.result
-    results, place = (folder, f"{name}/") if isinstance(folder, ResultFolder) else (ResultFolder(Path(folder) / name), "")
+    results, place = (
+        (folder, f"{name}/")
+        if isinstance(folder, ResultFolder)
+        else (ResultFolder(Path(folder) / name), "")
+    )
     # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
-    cells = 2 * int(np.clip(round(1 + len(result.surfaces[result.root].vertices) ** 0.5 / 20), 2, 4))
+    cells = 2 * int(
+        np.clip(round(1 + len(result.surfaces[result.root].vertices) ** 0.5 / 20), 2, 4)
+    )
     shades = map_colors(result.surfaces, result.maps, cells=cells)
     hues = landmark_colors(result.landmarks.shape[1])
     layers: Dict[str, List[ProjectLayer]] = {"surfaces": [], "landmarks": [], "spheres": []}
 
     def add(kind, label, *mesh):
-        path = results.write(f"{place}{kind}/{label.replace(' ', '_').replace('/', '_')}.ply", lambda path: write_ply(path, *mesh))
+        path = results.write(
+            f"{place}{kind}/{label.replace(' ', '_').replace('/', '_')}.ply",
+            lambda path: write_ply(path, *mesh),
+        )
         layers[kind].append(ProjectLayer(label, path, kind == "surfaces"))
 
     labels = distinct_names(result.surfaces)
-    for surface, label, sphere, points, colors in zip(result.surfaces, labels, result.maps, result.landmarks, shades):
+    for surface, label, sphere, points, colors in zip(
+        result.surfaces, labels, result.maps, result.landmarks, shades
+    ):
         add("surfaces", label, surface.vertices, surface.faces, colors, sphere.texture)
         add("landmarks", f"{label} landmarks", points, result.landmark_faces, hues)
         add("spheres", f"{label} sphere", sphere.positions, surface.faces, colors)
     everything = layers["surfaces"] + layers["landmarks"] + layers["spheres"]
     results.write(f"{place}{name}.mlp", lambda path: write_project(path, everything))
-    results.write(f"{place}{name}_overview.mlp", lambda path: write_project(path, overview(row, layers)))
+    results.write(
+        f"{place}{name}_overview.mlp", lambda path: write_project(path, overview(row, layers))
+    )
 
 
 def overview(row: Row, layers) -> List[ProjectLayer]:
@@ -51,7 +66,9 @@ def overview(row: Row, layers) -> List[ProjectLayer]:
     seen = [surface.vertices @ rotation.T for surface in result.surfaces]
     low, high = np.min([v.min(0) for v in seen], 0), np.max([v.max(0) for v in seen], 0)
     step = 1.12 * (high - low)[:2]
-    columns = int(np.ceil(np.sqrt(0.5 * len(seen) * step[1] / step[0])))  # the two grids side by side make a square
+    columns = int(
+        np.ceil(np.sqrt(0.5 * len(seen) * step[1] / step[0]))
+    )  # the two grids side by side make a square
     lines = -(-len(seen) // columns)
     radius = min(1.2 * step[0], 0.5 * lines * step[1])
     center = (low + high) / 2
@@ -62,10 +79,18 @@ def overview(row: Row, layers) -> List[ProjectLayer]:
         return layer._replace(visible=True, matrix=matrix)
 
     found = []
-    for kind, start in (("surfaces", -radius - step[0] * columns), ("landmarks", radius + 0.2 * step[0])):
+    for kind, start in (
+        ("surfaces", -radius - step[0] * columns),
+        ("landmarks", radius + 0.2 * step[0]),
+    ):
         for i, layer in enumerate(layers[kind]):
-            x, y = start + (i % columns + 0.5) * step[0], (0.5 * (lines - 1) - i // columns) * step[1]
+            x, y = (
+                start + (i % columns + 0.5) * step[0],
+                (0.5 * (lines - 1) - i // columns) * step[1],
+            )
             found.append(placed(layer, rotation, x - center[0], y - center[1], -center[2]))
-    turn = sphere_rotation(result.surfaces[result.root].vertices @ rotation.T, result.maps[result.root].positions)
+    turn = sphere_rotation(
+        result.surfaces[result.root].vertices @ rotation.T, result.maps[result.root].positions
+    )
     found.append(placed(layers["spheres"][result.root], 0.9 * radius * turn, 0, 0, 0))
     return found

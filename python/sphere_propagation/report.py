@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Figures per layer and of shape models as CSV, and the small table at the end."""
+
 from __future__ import annotations
 
 import csv
@@ -9,9 +11,28 @@ import numpy as np
 from .correspondence import Correspondence
 from .model import ShapeModel
 
-COLUMNS = ("data", "method", "layer", "root", "parent", "route", "vertices", "faces", "flipped_faces", "repaired_faces", "area_ratio_sd",
-           "area_log_mean", "angle_error_mean", "residual_mean", "residual_p95", "surface_distance_mean", "surface_distance_max",
-           "seconds", "remeshing_seconds", "error_mm")
+COLUMNS = (
+    "data",
+    "method",
+    "layer",
+    "root",
+    "parent",
+    "route",
+    "vertices",
+    "faces",
+    "flipped_faces",
+    "repaired_faces",
+    "area_ratio_sd",
+    "area_log_mean",
+    "angle_error_mean",
+    "residual_mean",
+    "residual_p95",
+    "surface_distance_mean",
+    "surface_distance_max",
+    "seconds",
+    "remeshing_seconds",
+    "error_mm",
+)
 COUNTS = ("parent", "route", "flipped_faces", "repaired_faces")
 
 
@@ -27,9 +48,15 @@ def rows(run: Run) -> List[Dict[str, object]]:
     """One row per layer, with the names of COLUMNS."""
     table = []
     for i, surface in enumerate(run.result.surfaces):
-        row = {"data": run.data, "method": run.result.method, "layer": surface.name, "root": int(i == run.result.root),
-               "vertices": len(surface.vertices), "faces": len(surface.faces),
-               "error_mm": "" if run.errors is None else f"{run.errors[i]:.4f}"}
+        row = {
+            "data": run.data,
+            "method": run.result.method,
+            "layer": surface.name,
+            "root": int(i == run.result.root),
+            "vertices": len(surface.vertices),
+            "faces": len(surface.faces),
+            "error_mm": "" if run.errors is None else f"{run.errors[i]:.4f}",
+        }
         for name, values in run.result.figures.items():
             row[name] = int(values[i]) if name in COUNTS else f"{values[i]:.6g}"
         table.append(row)
@@ -59,7 +86,13 @@ def write_measures(path, model: ShapeModel) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["modes", "eigenvalue", *model.figures])
         for m, eigenvalue in enumerate(model.eigenvalues):
-            writer.writerow([m + 1, f"{eigenvalue:.10g}", *(f"{values[m]:.6g}" for values in model.figures.values())])
+            writer.writerow(
+                [
+                    m + 1,
+                    f"{eigenvalue:.10g}",
+                    *(f"{values[m]:.6g}" for values in model.figures.values()),
+                ]
+            )
 
 
 def model_summary(model: ShapeModel, share: float = 0.95) -> str:
@@ -68,8 +101,10 @@ def model_summary(model: ShapeModel, share: float = 0.95) -> str:
         return "all shapes are identical once aligned"
     found = model.figures["variance_share"]
     enough = int(np.argmax(found >= share)) + 1
-    return (f"{len(model.modes)} mode{'s' * (len(model.modes) > 1)}, the first with {100 * found[0]:.1f} % of the variance, "
-            f"{enough} for {100 * share:.0f} %")
+    return (
+        f"{len(model.modes)} mode{'s' * (len(model.modes) > 1)}, the first with {100 * found[0]:.1f} % of the variance, "
+        f"{enough} for {100 * share:.0f} %"
+    )
 
 
 def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
@@ -81,11 +116,21 @@ def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
     lines = [head]
     for data, result, errors in runs:
         figures = result.figures
-        line = [data, result.method, str(len(result.surfaces)), f"{figures['flipped_faces'].sum():.0f}",
-                f"{figures['repaired_faces'].sum():.0f}", f"{figures['area_ratio_sd'][result.root]:.4f}",
-                f"{figures['residual_mean'].mean():.2f}"]
+        line = [
+            data,
+            result.method,
+            str(len(result.surfaces)),
+            f"{figures['flipped_faces'].sum():.0f}",
+            f"{figures['repaired_faces'].sum():.0f}",
+            f"{figures['area_ratio_sd'][result.root]:.4f}",
+            f"{figures['residual_mean'].mean():.2f}",
+        ]
         if known:
-            line += ["", ""] if errors is None else [f"{errors.max():.2f} mm", f"{errors.mean():.2f} mm"]
+            line += (
+                ["", ""]
+                if errors is None
+                else [f"{errors.max():.2f} mm", f"{errors.mean():.2f} mm"]
+            )
         lines.append(line)
     return lines
 
@@ -96,4 +141,6 @@ def summary(runs: Sequence[Run]) -> str:
     head = lines[0]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
     pad = lambda text, k: text.ljust(widths[k]) if k < 2 else text.rjust(widths[k])
-    return "\n".join("  ".join(pad(text, k) for k, text in enumerate(line)).rstrip() for line in lines)
+    return "\n".join(
+        "  ".join(pad(text, k) for k, text in enumerate(line)).rstrip() for line in lines
+    )

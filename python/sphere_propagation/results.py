@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The folder that a run leaves behind. It lists its files, so that the next run can take away what this one made and nothing else."""
+
 from __future__ import annotations
 
 import hashlib
@@ -75,7 +77,9 @@ class ResultFolder:
             return {}
         pairs = (line.split("  ", 1) for line in lines if "  " in line)
         home = self.folder.resolve()
-        return {name: digest for digest, name in pairs if home in (self.folder / name).resolve().parents}
+        return {
+            name: digest for digest, name in pairs if home in (self.folder / name).resolve().parents
+        }
 
 
 def _digest(path: Path) -> str:

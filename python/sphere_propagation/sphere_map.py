@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Maps of surfaces to the unit sphere as arrays."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -25,12 +27,16 @@ class SphereMap:
     def __post_init__(self):
         positions = np.asarray(self.positions)
         if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in "fiu":
-            raise InputError(f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of shape {positions.shape}.")
+            raise InputError(
+                f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of shape {positions.shape}."
+            )
         object.__setattr__(self, "positions", np.ascontiguousarray(positions, np.float64))
         if self.texture is not None:
             texture = np.ascontiguousarray(self.texture, np.float64)
             if texture.shape != (len(positions), 2):
-                raise InputError(f"Texture coordinates of this map must have the shape ({len(positions)}, 2), not {texture.shape}.")
+                raise InputError(
+                    f"Texture coordinates of this map must have the shape ({len(positions)}, 2), not {texture.shape}."
+                )
             object.__setattr__(self, "texture", texture)
 
 

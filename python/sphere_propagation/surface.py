@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Closed surfaces as arrays."""
+
 from __future__ import annotations
 
 from collections import Counter
@@ -25,14 +27,20 @@ class Surface:
     def __post_init__(self):
         vertices, faces = np.asarray(self.vertices), np.asarray(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "fiu":
-            raise InputError(f"{self.name}: vertices must be numbers of shape (n, 3), not {vertices.dtype} of shape {vertices.shape}.")
+            raise InputError(
+                f"{self.name}: vertices must be numbers of shape (n, 3), not {vertices.dtype} of shape {vertices.shape}."
+            )
         if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-            raise InputError(f"{self.name}: faces must be integers of shape (k, 3), not {faces.dtype} of shape {faces.shape}.")
+            raise InputError(
+                f"{self.name}: faces must be integers of shape (k, 3), not {faces.dtype} of shape {faces.shape}."
+            )
         outside = (faces < 0) | (faces >= len(vertices))
         if outside.any():
             first = int(np.flatnonzero(outside.any(1))[0])
-            raise InputError(f"{self.name}: {int(outside.any(1).sum())} faces name a vertex that is not there (first: face {first}, "
-                             f"{faces[first].tolist()}, of {len(vertices)} vertices).")
+            raise InputError(
+                f"{self.name}: {int(outside.any(1).sum())} faces name a vertex that is not there (first: face {first}, "
+                f"{faces[first].tolist()}, of {len(vertices)} vertices)."
+            )
         object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, np.float64))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, np.int32))
 
@@ -59,7 +67,9 @@ def as_surface(surface: SurfaceLike, name: str = "surface") -> Surface:
     try:
         vertices, faces = surface
     except (TypeError, ValueError):
-        raise InputError(f"{name} must be a Surface or (vertices, faces), not {type(surface).__name__}.") from None
+        raise InputError(
+            f"{name} must be a Surface or (vertices, faces), not {type(surface).__name__}."
+        ) from None
     return Surface(vertices, faces, name)
 
 
@@ -74,7 +84,10 @@ def as_surfaces(surfaces: Sequence[SurfaceLike]) -> List[Surface]:
 def distinct_names(surfaces: Sequence[Surface]) -> List[str]:
     """Their names; those that several of them have, with their place."""
     count = Counter(surface.name for surface in surfaces)
-    return [surface.name if count[surface.name] == 1 else f"{surface.name} ({i})" for i, surface in enumerate(surfaces)]
+    return [
+        surface.name if count[surface.name] == 1 else f"{surface.name} ({i})"
+        for i, surface in enumerate(surfaces)
+    ]
 
 
 def largest(surfaces: Sequence[Surface]) -> int:

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The version of this package."""
+
 from __future__ import annotations
 
 import re
@@ -9,6 +11,7 @@ def version() -> str:
     """That of the project in CMakeLists.txt: written down when the package is built, read there in a checkout."""
     try:
         from ._version import version as built
+
         return built
     except ImportError:
         text = (Path(__file__).resolve().parents[2] / "CMakeLists.txt").read_text(encoding="utf-8")

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """From which side surfaces are looked at, in pictures and in projects."""
+
 from __future__ import annotations
 
 from typing import List, NamedTuple, Optional, Sequence
@@ -15,14 +17,22 @@ class Row(NamedTuple):
     result: Correspondence
     unit: Optional[str] = None  # of lengths; with "mm" volumes are written in ml
     up: Optional[Sequence[float]] = None  # direction; default: along the root's long axis
-    phases: Optional[Sequence[int]] = None  # the number of each surface's phase; default: as they come, from 0
+    phases: Optional[Sequence[int]] = (
+        None  # the number of each surface's phase; default: as they come, from 0
+    )
 
     def numbers(self) -> List[int]:
         """Of the phases."""
-        return [int(phase) for phase in self.phases] if self.phases is not None else list(range(len(self.result.surfaces)))
+        return (
+            [int(phase) for phase in self.phases]
+            if self.phases is not None
+            else list(range(len(self.result.surfaces)))
+        )
 
 
-def upright(vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: float = 26.0) -> np.ndarray:
+def upright(
+    vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: float = 26.0
+) -> np.ndarray:
     """Rotation (3, 3) to view coordinates (right, up, towards the eye): `up` upright, the broad side in front, seen from `tilt`
     degrees above. Without `up` the long axis is upright, its narrow end down, as hearts are drawn.
     """
@@ -38,7 +48,9 @@ def upright(vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: fl
     eye = eye * (1 if eye[np.abs(eye).argmax()] < 0 else -1)
     right = np.cross(axis, eye)
     angle = np.radians(tilt)
-    tilted = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    tilted = np.array(
+        [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+    )
     return tilted @ np.stack([right, axis, eye])
 
 

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/area_energy.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/area/area_energy.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 #include <limits>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/spherical_triangle.h"
+#include "vcg_ext/sphere/spherical_triangle.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -19,7 +20,8 @@ using Frames = std::array<std::array<Vector3, 2>, 3>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// A positively oriented face on the sphere, not too thin, its frames and a target of another shape and size.
+/// A positively oriented face on the sphere, not too thin, its frames and a target of another shape
+/// and size.
 struct Sample {
   Corners p;
   Frames frame;
@@ -43,7 +45,8 @@ struct Sample {
 
   double energy(const AreaEnergyWeights& weights, const Vector6& t) const {
     Corners moved;
-    for (int k = 0; k < 3; ++k) moved[k] = (p[k] + t[2 * k] * frame[k][0] + t[2 * k + 1] * frame[k][1]).normalized();
+    for (int k = 0; k < 3; ++k)
+      moved[k] = (p[k] + t[2 * k] * frame[k][0] + t[2 * k + 1] * frame[k][1]).normalized();
     return faceEnergy(target, weights, solidAngle(moved[0], moved[1], moved[2]), moved);
   }
 };
@@ -85,8 +88,9 @@ double totalEnergy(const Mesh& mesh, const Points& positions, const AreaEnergyWe
 }
 
 TEST(AreaEnergy, OfTheIdentityOfRegularSolidsByHand) {
-  // ln 1 = 0; cotangents 1/sqrt 3, which the blend with the equilateral triangle leaves; D = 2 x the flat area, so
-  // that w q = (4 pi / F) x flat area / (4 pi / F): the sum is the area of the solid.
+  // ln 1 = 0; cotangents 1/sqrt 3, which the blend with the equilateral triangle leaves; D = 2 x
+  // the flat area, so that w q = (4 pi / F) x flat area / (4 pi / F): the sum is the area of the
+  // solid.
   const double tetrahedronEdge = std::sqrt(8.0 / 3), icosahedronEdge = 1 / std::sin(2 * pi / 5);
   const double perFace = std::sqrt(3.0) / 4;
   for (const double scale : {1e-3, 1.0, 40.0}) {
@@ -105,7 +109,8 @@ TEST(AreaEnergy, IsMinimalAtTheIdentityOfRegularSolids) {
       const double least = totalEnergy(mesh, mesh.vertices, weights);
       for (int i = 0; i < 50; ++i) {
         Points moved = mesh.vertices;
-        for (Eigen::Index v = 0; v < moved.rows(); ++v) moved.row(v) += 0.01 * random.direction().transpose();
+        for (Eigen::Index v = 0; v < moved.rows(); ++v)
+          moved.row(v) += 0.01 * random.direction().transpose();
         moved.rowwise().normalize();
         EXPECT_GT(totalEnergy(mesh, moved, weights), least);
       }
@@ -116,17 +121,18 @@ TEST(AreaEnergy, IsInfiniteForFacesWithoutASolidAngle) {
   Random random(2);
   const Sample sample(random);
   for (const double s : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_EQ(faceEnergy(sample.target, {1, 0.1}, s, sample.p), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(faceEnergy(sample.target, {1, 0.1}, s, sample.p),
+              std::numeric_limits<double>::infinity());
 }
 
 TEST(AreaEnergy, CountsTwiceTooLargeAsMuchAsHalf) {
   Random random(3);
   const Sample sample(random);
   const double a = sample.target.area;
-  EXPECT_NEAR(faceEnergy(sample.target, {1, 0}, 2 * a, sample.p), faceEnergy(sample.target, {1, 0}, a / 2, sample.p),
-              1e-14);
-  EXPECT_NEAR(faceEnergy(sample.target, {1, 0}, 2 * a, sample.p), sample.target.weight * std::log(2.0) * std::log(2.0),
-              1e-14);
+  EXPECT_NEAR(faceEnergy(sample.target, {1, 0}, 2 * a, sample.p),
+              faceEnergy(sample.target, {1, 0}, a / 2, sample.p), 1e-14);
+  EXPECT_NEAR(faceEnergy(sample.target, {1, 0}, 2 * a, sample.p),
+              sample.target.weight * std::log(2.0) * std::log(2.0), 1e-14);
 }
 
 TEST(AreaEnergy, ExpansionAgreesWithTheEnergy) {
@@ -145,11 +151,13 @@ TEST(AreaEnergy, GradientIsThatOfCentralDifferences) {
   for (int i = 0; i < 200; ++i) {
     const Sample sample(random);
     for (const AreaEnergyWeights& weights : {AreaEnergyWeights{1, 0}, {0, 1}, {1, 0.3}}) {
-      const Vector6 gradient = gradientOf(expandFaceEnergy(sample.target, weights, sample.p, sample.frame));
+      const Vector6 gradient =
+          gradientOf(expandFaceEnergy(sample.target, weights, sample.p, sample.frame));
       const double h = 1e-4 * std::sqrt(sample.angle());
       for (int j = 0; j < 6; ++j) {
         const Vector6 t = h * Vector6::Unit(j);
-        const double difference = (sample.energy(weights, t) - sample.energy(weights, -t)) / (2 * h);
+        const double difference =
+            (sample.energy(weights, t) - sample.energy(weights, -t)) / (2 * h);
         EXPECT_NEAR(gradient[j], difference, 1e-4 * gradient.norm() + 1e-9) << "coordinate " << j;
       }
     }
@@ -161,7 +169,8 @@ TEST(AreaEnergy, HessianIsSymmetricAndPositiveSemidefinite) {
   for (int i = 0; i < 500; ++i) {
     const Sample sample(random);
     const AreaEnergyWeights weights{random.uniform(), random.uniform()};
-    const Matrix6 hessian = hessianOf(expandFaceEnergy(sample.target, weights, sample.p, sample.frame), sample.frame);
+    const Matrix6 hessian =
+        hessianOf(expandFaceEnergy(sample.target, weights, sample.p, sample.frame), sample.frame);
     const double scale = hessian.norm();
     EXPECT_LT((hessian - hessian.transpose()).norm(), 1e-14 * scale);
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(hessian).eigenvalues()[0], -1e-12 * scale);
@@ -176,8 +185,9 @@ TEST(AreaEnergy, HessianOfTheLogarithmIsExactWhereTheAreaIsRight) {
     const AreaEnergyWeights weights{1, 0};
     const FaceExpansion e = expandFaceEnergy(sample.target, weights, sample.p, sample.frame);
     EXPECT_LT(gradientOf(e).norm(), 1e-12 * std::sqrt(hessianOf(e, sample.frame).norm()));
-    const Matrix6 differences = secondDifferences([&](const Vector6& t) { return sample.energy(weights, t); },
-                                                  1e-3 * std::sqrt(sample.angle()));
+    const Matrix6 differences =
+        secondDifferences([&](const Vector6& t) { return sample.energy(weights, t); },
+                          1e-3 * std::sqrt(sample.angle()));
     EXPECT_LT((hessianOf(e, sample.frame) - differences).norm(), 1e-3 * differences.norm());
   }
 }
@@ -188,13 +198,16 @@ TEST(AreaEnergy, HessianOfTheQuotientIsExactButForTheCurvatureOfArea) {
     const Sample sample(random);
     const FaceExpansion log = expandFaceEnergy({1, 1, {0, 0, 0}}, {1, 0}, sample.p, sample.frame);
     const double s = sample.angle();
-    const Vector6 gradientOfAngle = gradientOf(log) * s / (2 * std::log(s));  // of ln^2 s: 2 ln s / s times it
+    const Vector6 gradientOfAngle =
+        gradientOf(log) * s / (2 * std::log(s));  // of ln^2 s: 2 ln s / s times it
     const auto linearised = [&](const Vector6& t) {
       Corners p = sample.p;
-      for (int k = 0; k < 3; ++k) p[k] += t[2 * k] * sample.frame[k][0] + t[2 * k + 1] * sample.frame[k][1];
+      for (int k = 0; k < 3; ++k)
+        p[k] += t[2 * k] * sample.frame[k][0] + t[2 * k + 1] * sample.frame[k][1];
       return faceEnergy(sample.target, {0, 1}, s + gradientOfAngle.dot(t), p);
     };
-    const Matrix6 hessian = hessianOf(expandFaceEnergy(sample.target, {0, 1}, sample.p, sample.frame), sample.frame);
+    const Matrix6 hessian =
+        hessianOf(expandFaceEnergy(sample.target, {0, 1}, sample.p, sample.frame), sample.frame);
     const Matrix6 differences = secondDifferences(linearised, 1e-3 * std::sqrt(s));
     EXPECT_LT((hessian - differences).norm(), 1e-3 * differences.norm());
   }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/area_minimiser.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/area/area_minimiser.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +7,8 @@
 #include <limits>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/harmonic_map.h"
+#include "vcg_ext/root_map/harmonic_map.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -22,9 +23,10 @@ AreaStepParameters withWeights(double area, double shape) {
   return parameters;
 }
 
-/// Takes steps and checks after each that the energy fell by the ratio returned, and that the map is valid. Returns the
-/// share of the energy that is left.
-double takeSteps(const ClosedSurface& surface, const AreaStepParameters& parameters, int steps, Points& positions) {
+/// Takes steps and checks after each that the energy fell by the ratio returned, and that the map
+/// is valid. Returns the share of the energy that is left.
+double takeSteps(const ClosedSurface& surface, const AreaStepParameters& parameters, int steps,
+                 Points& positions) {
   AreaMinimiser minimiser = minimiserOf(surface);
   const double start = minimiser.energy(parameters.weights, positions);
   double before = start;
@@ -74,7 +76,8 @@ TEST(AreaMinimiser, MovesOnFromFacesAsLargeAsAHemisphere) {
   positions << 0, 0, 1, 1, 0, -0.02, -0.5, std::sqrt(0.75), -0.02, -0.5, -std::sqrt(0.75), -0.02;
   positions.rowwise().normalize();
   ASSERT_TRUE(certify(mesh.faces, positions).valid());
-  EXPECT_LT(takeSteps(ClosedSurface(mesh.vertices, mesh.faces), withWeights(1, 0.1), 10, positions), 0.2);
+  EXPECT_LT(takeSteps(ClosedSurface(mesh.vertices, mesh.faces), withWeights(1, 0.1), 10, positions),
+            0.2);
 }
 
 TEST(AreaMinimiser, RestsAtTheOptimum) {
@@ -91,7 +94,8 @@ TEST(AreaMinimiser, ReturnsToTheOptimumNearby) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Random random(1);
   Points positions = mesh.vertices;
-  for (Eigen::Index v = 0; v < positions.rows(); ++v) positions.row(v) += 0.03 * random.direction().transpose();
+  for (Eigen::Index v = 0; v < positions.rows(); ++v)
+    positions.row(v) += 0.03 * random.direction().transpose();
   positions.rowwise().normalize();
   ASSERT_TRUE(certify(mesh.faces, positions).valid());
   EXPECT_LT(takeSteps(surface, withWeights(1, 0), 20, positions), 1e-5);

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/area_preserving_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/area/area_preserving_map.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +11,15 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/harmonic_map.h"
-#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/root_map/harmonic_map.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation::test {
 namespace {
 
-SphereMap harmonicMap(const ClosedSurface& surface) { return {surface, harmonicPositions(surface)}; }
+SphereMap harmonicMap(const ClosedSurface& surface) {
+  return {surface, harmonicPositions(surface)};
+}
 
 MapMeasures measuresOf(const ClosedSurface& surface, const SphereMap& start, double areaWeight) {
   return measureMap(surface, makeAreaPreserving(surface, start, {areaWeight}).map.positions());
@@ -29,9 +32,11 @@ TEST(AreaPreservingMap, UndoesAKnownDeformation) {
   for (const double stretch : {1.5, 3.0, 8.0}) {
     Points positions = mesh.vertices;
     for (Eigen::Index v = 0; v < positions.rows(); ++v) {
-      const double along = std::atan2(positions(v, 1), positions(v, 0)) + positions(v, 2);  // and a twist
+      const double along =
+          std::atan2(positions(v, 1), positions(v, 0)) + positions(v, 2);  // and a twist
       const double across = std::hypot(positions(v, 0), positions(v, 1));
-      positions.row(v) << across * std::cos(along), across * std::sin(along), stretch * positions(v, 2);
+      positions.row(v) << across * std::cos(along), across * std::sin(along),
+          stretch * positions(v, 2);
     }
     positions.rowwise().normalize();
     const SphereMap start(surface, positions);
@@ -75,8 +80,10 @@ TEST(AreaPreservingMap, DoesNotDependOnWhereTheShapeIs) {
   const SphereMap start = harmonicMap(surface);
   const Points reference = makeAreaPreserving(surface, start).map.positions();
   for (const double scale : {1e-30, 0.01, 1e30}) {
-    const ClosedSurface moved = surfaceOf(transformed(mesh, randomRotation(3), scale, scale * Vector3(30, -10, 5)));
-    EXPECT_LT((makeAreaPreserving(moved, start).map.positions() - reference).cwiseAbs().maxCoeff(), 1e-5);
+    const ClosedSurface moved =
+        surfaceOf(transformed(mesh, randomRotation(3), scale, scale * Vector3(30, -10, 5)));
+    EXPECT_LT((makeAreaPreserving(moved, start).map.positions() - reference).cwiseAbs().maxCoeff(),
+              1e-5);
   }
 }
 
@@ -88,7 +95,9 @@ TEST(AreaPreservingMap, TurnsWithItsStart) {
     const Eigen::Matrix3d rotation = randomRotation(seed);
     const SphereMap turned(surface, start.positions() * rotation.transpose());
     EXPECT_LT(
-        (makeAreaPreserving(surface, turned).map.positions() - reference * rotation.transpose()).cwiseAbs().maxCoeff(),
+        (makeAreaPreserving(surface, turned).map.positions() - reference * rotation.transpose())
+            .cwiseAbs()
+            .maxCoeff(),
         1e-5);
   }
 }
@@ -96,7 +105,8 @@ TEST(AreaPreservingMap, TurnsWithItsStart) {
 TEST(AreaPreservingMap, IsTheSameEveryTimeToTheLastBit) {
   const ClosedSurface surface = surfaceOf(noisyEllipsoid(7));
   const SphereMap start = harmonicMap(surface);
-  EXPECT_EQ(makeAreaPreserving(surface, start).map.positions(), makeAreaPreserving(surface, start).map.positions());
+  EXPECT_EQ(makeAreaPreserving(surface, start).map.positions(),
+            makeAreaPreserving(surface, start).map.positions());
 }
 
 TEST(AreaPreservingMap, DoesNotDependOnTheNumbering) {
@@ -108,10 +118,12 @@ TEST(AreaPreservingMap, DoesNotDependOnTheNumbering) {
   const auto shuffled = [&](Eigen::Index count) {
     std::vector<int> order(static_cast<size_t>(count));
     std::iota(order.begin(), order.end(), 0);
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.index(static_cast<int>(i))]);
+    for (size_t i = order.size(); i > 1; --i)
+      std::swap(order[i - 1], order[random.index(static_cast<int>(i))]);
     return order;
   };
-  const std::vector<int> vertexOrder = shuffled(mesh.vertices.rows()), faceOrder = shuffled(mesh.faces.rows());
+  const std::vector<int> vertexOrder = shuffled(mesh.vertices.rows()),
+                         faceOrder = shuffled(mesh.faces.rows());
   Mesh renumbered = mesh;
   Points renumberedStart = start.positions();
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
@@ -122,7 +134,8 @@ TEST(AreaPreservingMap, DoesNotDependOnTheNumbering) {
     for (int k = 0; k < 3; ++k)
       renumbered.faces(faceOrder[f], (k + static_cast<int>(f)) % 3) = vertexOrder[mesh.faces(f, k)];
   const ClosedSurface other = surfaceOf(renumbered);
-  const Points result = makeAreaPreserving(other, SphereMap(other, renumberedStart)).map.positions();
+  const Points result =
+      makeAreaPreserving(other, SphereMap(other, renumberedStart)).map.positions();
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
     EXPECT_LT((result.row(vertexOrder[v]) - reference.row(v)).norm(), 1e-5);
 }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/area_restoration.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/area/area_restoration.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +9,12 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/area/area_preserving_map.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/rotation.h"
-#include "vcg_ext/map/area_preserving_map.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/map_measures.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation {
 namespace {
@@ -62,7 +63,8 @@ TEST(AreaRestoration, ALittleMovesLittle) {
 TEST(AreaRestoration, ReachesTheAreasBetween) {
   const Example e;
   const Eigen::ArrayXd before = areaRatios(e.surface, e.map.positions()).array();
-  const Eigen::ArrayXd after = areaRatios(e.surface, restoreArea(e.surface, e.map, 0.5).positions()).array();
+  const Eigen::ArrayXd after =
+      areaRatios(e.surface, restoreArea(e.surface, e.map, 0.5).positions()).array();
   // s = sqrt(s0 a), so the ratio s / a is the root of what it was, but for one factor.
   const Eigen::ArrayXd quotient = after / before.sqrt();
   const double mean = quotient.mean();
@@ -85,7 +87,8 @@ TEST(AreaRestoration, KeepsTheRotation) {
     for (int k = 0; k < 3; ++k) weights[e.mesh.faces(f, k)] += areas[f];
   for (double amount : {0.3, 1.0}) {
     const Points restored = restoreArea(e.surface, e.map, amount).positions();
-    const Eigen::Matrix3d rotation = bestRotation(e.map.positions().transpose() * weights.asDiagonal() * restored);
+    const Eigen::Matrix3d rotation =
+        bestRotation(e.map.positions().transpose() * weights.asDiagonal() * restored);
     EXPECT_LT((rotation - Eigen::Matrix3d::Identity()).norm(), 1e-9);
   }
 }

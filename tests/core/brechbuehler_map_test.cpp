@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // Every equation of C. Brechbuehler, G. Gerig, O. Kuebler (1995) against the mesh itself.
 
-#include "vcg_ext/map/brechbuehler_map.h"
+#include "vcg_ext/root_map/brechbuehler_map.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@
 #include <set>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
 namespace {
@@ -19,7 +20,8 @@ constexpr double pi = 3.14159265358979323846;
 
 bool isPole(const Poles& poles, int v) { return v == poles.north || v == poles.south; }
 
-/// What longitudes miss by on the way from v to w: 2 pi when one walks eastward over the date line, -2 pi westward.
+/// What longitudes miss by on the way from v to w: 2 pi when one walks eastward over the date line,
+/// -2 pi westward.
 double jump(const DateLine& line, int v, int w) {
   double sum = 0;
   for (const auto& [here, west] : line.crossings) {
@@ -29,7 +31,8 @@ double jump(const DateLine& line, int v, int w) {
   return sum;
 }
 
-/// The shapes that the equations are checked on: round, long, noisy, with a zero-area face, the smallest.
+/// The shapes that the equations are checked on: round, long, noisy, with a zero-area face, the
+/// smallest.
 std::vector<ClosedSurface> shapes() {
   return {surfaceOf(test::ellipsoid(30, 20, 15)), surfaceOf(test::ellipsoid(100, 5, 4)),
           surfaceOf(test::noisyEllipsoid(3)),     surfaceOf(test::withZeroAreaFace()),
@@ -54,8 +57,8 @@ TEST(ExtremePoles, TurnAndScaleWithTheShape) {
   EXPECT_NE(poles.north, poles.south);
   for (unsigned seed = 0; seed < 10; ++seed)
     for (const double scale : {1e-120, 0.01, 1.0, 1e120}) {
-      const Poles turned = extremePoles(
-          surfaceOf(test::transformed(mesh, test::randomRotation(seed), scale, scale * Vector3(3, -2, 5))));
+      const Poles turned = extremePoles(surfaceOf(
+          test::transformed(mesh, test::randomRotation(seed), scale, scale * Vector3(3, -2, 5))));
       EXPECT_EQ(turned.north, poles.north);
       EXPECT_EQ(turned.south, poles.south);
     }
@@ -63,11 +66,12 @@ TEST(ExtremePoles, TurnAndScaleWithTheShape) {
 
 TEST(ExtremePoles, AreTheSmallestIndicesOfEqualOnes) {
   // A prism with square ends, turned into no axis: four vertices are equally far out on each side.
-  const test::Mesh box = {
-      (Points(8, 3) << -3, -1, -1, -3, 1, -1, -3, 1, 1, -3, -1, 1, 3, -1, -1, 3, 1, -1, 3, 1, 1, 3, -1, 1).finished(),
-      (Triangles(12, 3) << 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3,
-       0, 4, 3, 4, 7)
-          .finished()};
+  const test::Mesh box = {(Points(8, 3) << -3, -1, -1, -3, 1, -1, -3, 1, 1, -3, -1, 1, 3, -1, -1, 3,
+                           1, -1, 3, 1, 1, 3, -1, 1)
+                              .finished(),
+                          (Triangles(12, 3) << 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                           1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7)
+                              .finished()};
   const Poles poles = extremePoles(surfaceOf(box));
   EXPECT_EQ(poles.north, 4);
   EXPECT_EQ(poles.south, 0);
@@ -107,7 +111,8 @@ TEST(DateLine, IsTheSteepestPathAndItsPairsLieToTheWest) {
     EXPECT_EQ(line.path.front(), poles.north);
     EXPECT_EQ(line.path.back(), poles.south);
     for (size_t k = 0; k + 1 < line.path.size(); ++k)
-      for (int w : surface.ring(line.path[k])) EXPECT_LE(colatitude[w], colatitude[line.path[k + 1]]);
+      for (int w : surface.ring(line.path[k]))
+        EXPECT_LE(colatitude[w], colatitude[line.path[k + 1]]);
     EXPECT_EQ(std::set<int>(line.path.begin(), line.path.end()).size(), line.path.size());
     const Eigen::VectorXd longitude = longitudes(surface, poles, line);
     for (const auto& [here, west] : line.crossings) {
@@ -138,7 +143,8 @@ TEST(DateLine, GoesOnWhereColatitudesHaveAPeak) {
     EXPECT_NEAR(std::remainder(difference - offset, 2 * pi), 0, 1e-10);
   }
   // Flat colatitudes are a plateau everywhere: the line still arrives.
-  EXPECT_EQ(dateLine(surface, poles, Eigen::VectorXd::Zero(surface.vertexCount())).path.back(), poles.south);
+  EXPECT_EQ(dateLine(surface, poles, Eigen::VectorXd::Zero(surface.vertexCount())).path.back(),
+            poles.south);
 }
 
 TEST(DateLine, JumpsByOneTurnRoundAPoleAndByNoneRoundAnyOtherVertex) {
@@ -170,7 +176,8 @@ TEST(Longitudes, OfAnOctahedronAndBipyramidsByHand) {
     const IndexRange ring = surface.ring(0);
     int start = 0;
     while (ring[start] != line.path[1]) ++start;
-    for (int i = 0; i < sides; ++i) EXPECT_NEAR(longitude[ring[(start + i) % sides]], 2 * pi * i / sides, 1e-13);
+    for (int i = 0; i < sides; ++i)
+      EXPECT_NEAR(longitude[ring[(start + i) % sides]], 2 * pi * i / sides, 1e-13);
   }
 }
 
@@ -232,15 +239,16 @@ TEST(BrechbuehlerMap, LeavesRoomBetweenNeighbourPoles) {
   ASSERT_EQ(line.crossings.size(), 1u);
   const Eigen::VectorXd longitude = longitudes(surface, {north, south}, line);
   // The two others have one edge between them and one across the poles' edge: half a turn each.
-  EXPECT_NEAR(std::fabs(longitude[line.crossings[0][0]] - longitude[line.crossings[0][1]]), pi, 1e-13);
+  EXPECT_NEAR(std::fabs(longitude[line.crossings[0][0]] - longitude[line.crossings[0][1]]), pi,
+              1e-13);
 }
 
 TEST(BrechbuehlerMap, IsTheSameForATurnedAndScaledShape) {
   const test::Mesh mesh = test::noisyEllipsoid(11);
   const Points reference = brechbuehlerPositions(surfaceOf(mesh));
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Points positions =
-        brechbuehlerPositions(surfaceOf(test::transformed(mesh, test::randomRotation(seed), 0.37, {100, -50, 20})));
+    const Points positions = brechbuehlerPositions(
+        surfaceOf(test::transformed(mesh, test::randomRotation(seed), 0.37, {100, -50, 20})));
     EXPECT_LT((positions - reference).rowwise().norm().maxCoeff(), 1e-12);
   }
 }

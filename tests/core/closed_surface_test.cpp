@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/closed_surface.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,8 @@ SurfaceError errorOf(const Mesh& mesh) {
 }
 
 /// remedy: the MeshLab filter that the text must name; empty where none helps.
-void expectDefect(const Mesh& mesh, Defect defect, long count, long first, const std::string& remedy) {
+void expectDefect(const Mesh& mesh, Defect defect, long count, long first,
+                  const std::string& remedy) {
   const SurfaceError error = errorOf(mesh);
   const std::string text = error.what();
   EXPECT_EQ(error.defect, defect) << text;
@@ -46,14 +48,18 @@ void expectDefect(const Mesh& mesh, Defect defect, long count, long first, const
 TEST(ClosedSurface, EveryDefectHasItsError) {
   expectDefect({Points(0, 3), Triangles(0, 3)}, Defect::Empty, 0, -1, "");
   expectDefect({octahedron().vertices, Triangles(0, 3)}, Defect::Empty, 0, -1, "");
-  expectDefect({octahedron().vertices.topRows(3), Triangles{{0, 1, 2}, {0, 2, 1}}}, Defect::TooFewVertices, 3, 0, "");
+  expectDefect({octahedron().vertices.topRows(3), Triangles{{0, 1, 2}, {0, 2, 1}}},
+               Defect::TooFewVertices, 3, 0, "");
   expectDefect(withNaN(), Defect::NonFiniteCoordinate, 1, 5, "Conditional Vertex Selection");
   expectDefect(withDegenerateFace(), Defect::DegenerateFace, 1, 20, "Remove Zero Area Faces");
   expectDefect(nonManifoldEdge(), Defect::NonManifoldEdge, 1, 0, "Repair non Manifold Edges");
   expectDefect(openCone(), Defect::NotClosed, 8, 0, "Close Holes");
-  expectDefect(flippedFace(), Defect::InconsistentOrientation, 3, 4, "Re-Orient all faces coherently");
-  expectDefect(withUnreferencedVertex(), Defect::UnreferencedVertex, 1, 12, "Remove Unreferenced Vertices");
-  expectDefect(nonManifoldVertex(), Defect::NonManifoldVertex, 1, 0, "Repair non Manifold Vertices by splitting");
+  expectDefect(flippedFace(), Defect::InconsistentOrientation, 3, 4,
+               "Re-Orient all faces coherently");
+  expectDefect(withUnreferencedVertex(), Defect::UnreferencedVertex, 1, 12,
+               "Remove Unreferenced Vertices");
+  expectDefect(nonManifoldVertex(), Defect::NonManifoldVertex, 1, 0,
+               "Repair non Manifold Vertices by splitting");
   expectDefect(twoSpheres(), Defect::SeveralParts, 2, 6, "Remove Isolated pieces (wrt Face Num.)");
   expectDefect(torus(), Defect::Handles, 1, -1, "Surface Reconstruction: Screened Poisson");
   expectDefect(inwardSphere(), Defect::InwardOrientation, 20, 0, "Invert Faces Orientation");
@@ -91,7 +97,8 @@ TEST(ClosedSurface, FaceSoupIsToldFromAHole) {
   EXPECT_EQ(error.defect, Defect::NotClosed);
   EXPECT_EQ(error.count, 60);
   EXPECT_NE(std::string(error.what()).find("48 vertices"), std::string::npos) << error.what();
-  EXPECT_NE(std::string(error.what()).find("\"Remove Duplicate Vertices\""), std::string::npos) << error.what();
+  EXPECT_NE(std::string(error.what()).find("\"Remove Duplicate Vertices\""), std::string::npos)
+      << error.what();
   EXPECT_EQ(std::string(errorOf(openCone()).what()).find("Duplicate"), std::string::npos);
 }
 
@@ -103,7 +110,8 @@ TEST(ClosedSurface, GenusIsCounted) {
   two.vertices.resize(2 * n, 3);
   two.vertices << one.vertices, (one.vertices.rowwise() + Eigen::RowVector3d(9, 0, 0));
   two.faces.resize(2 * m - 2 + 6, 3);
-  two.faces << one.faces.topRows(m - 1), (one.faces.topRows(m - 1).array() + n).matrix(), Triangles::Zero(6, 3);
+  two.faces << one.faces.topRows(m - 1), (one.faces.topRows(m - 1).array() + n).matrix(),
+      Triangles::Zero(6, 3);
   for (int k = 0; k < 3; ++k) {  // the two holes face each other when one runs the other way
     const int a = one.faces(m - 1, k), b = one.faces(m - 1, (k + 1) % 3);
     const int c = n + one.faces(m - 1, (3 - k) % 3), d = n + one.faces(m - 1, (5 - k) % 3);
@@ -116,8 +124,9 @@ TEST(ClosedSurface, GenusIsCounted) {
 }
 
 TEST(ClosedSurface, Accepted) {
-  for (const Mesh& mesh : {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(5), noisyEllipsoid(1),
-                           bipyramid(3), bipyramid(50), withZeroAreaFace(), rings(1e-6)})
+  for (const Mesh& mesh :
+       {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(5), noisyEllipsoid(1),
+        bipyramid(3), bipyramid(50), withZeroAreaFace(), rings(1e-6)})
     EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces));
 }
 
@@ -153,7 +162,8 @@ TEST(ClosedSurface, TwinsAreInvolutions) {
 }
 
 TEST(ClosedSurface, RingsAreCounterClockwiseAndComplete) {
-  for (const Mesh& mesh : {tetrahedron(), octahedron(), icosphereMesh(4), noisyEllipsoid(3), bipyramid(9)}) {
+  for (const Mesh& mesh :
+       {tetrahedron(), octahedron(), icosphereMesh(4), noisyEllipsoid(3), bipyramid(9)}) {
     const ClosedSurface surface(mesh.vertices, mesh.faces);
     std::vector<std::set<int>> neighbours(static_cast<size_t>(surface.vertexCount()));
     for (int f = 0; f < surface.faceCount(); ++f)
@@ -171,7 +181,8 @@ TEST(ClosedSurface, RingsAreCounterClockwiseAndComplete) {
         const int h = outgoing[i], next = ring[(i + 1) % ring.size()];
         EXPECT_EQ(surface.origin(h), v);
         EXPECT_EQ(surface.target(h), ring[i]);
-        EXPECT_EQ(surface.target(ClosedSurface::next(h)), next);  // face (v, ring[i], ring[i + 1]) as it is stored
+        EXPECT_EQ(surface.target(ClosedSurface::next(h)),
+                  next);  // face (v, ring[i], ring[i + 1]) as it is stored
       }
     }
   }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/collapsible_mesh.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/mesh/hierarchy/collapsible_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,8 @@
 #include <vector>
 
 #include "tests/core/limb_meshes.h"
-#include "vcg_ext/map/simplification.h"
-#include "vcg_ext/map/spatial_order.h"
+#include "vcg_ext/mesh/hierarchy/simplification.h"
+#include "vcg_ext/mesh/hierarchy/spatial_order.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -29,7 +30,8 @@ std::vector<std::array<double, 4>> facesOf(const CollapsibleMesh& mesh) {
     Eigen::RowVector3i face = rings.faces.row(f);
     while (face.minCoeff() != face[0]) face = Eigen::RowVector3i(face[1], face[2], face[0]);
     faces.push_back({static_cast<double>(vertices[face[0]]), static_cast<double>(vertices[face[1]]),
-                     static_cast<double>(vertices[face[2]]), static_cast<double>(mesh.area(3 * faceOf[f]))});
+                     static_cast<double>(vertices[face[2]]),
+                     static_cast<double>(mesh.area(3 * faceOf[f]))});
   }
   std::sort(faces.begin(), faces.end());
   return faces;
@@ -52,8 +54,9 @@ void expectSphere(const CollapsibleMesh& mesh) {
 }
 
 std::vector<Mesh> meshes() {
-  return {tetrahedron(),        octahedron(),    noisyEllipsoid(1),  box(3),        bipyramid(200), tetrapod(5),
-          rings(1e-6),          cup(0.1, 12, 5), withZeroAreaFace(), tree(1, 2, 1), disc(6),        coil(1, 6, 20),
+  return {tetrahedron(),        octahedron(),  noisyEllipsoid(1), box(3),
+          bipyramid(200),       tetrapod(5),   rings(1e-6),       cup(0.1, 12, 5),
+          withZeroAreaFace(),   tree(1, 2, 1), disc(6),           coil(1, 6, 20),
           ellipsoid(30, 20, 0), bipyramid(3)};
 }
 
@@ -102,15 +105,16 @@ TEST(CollapsibleMesh, EveryVertexCanGoSomewhere) {
     const CollapsibleMesh collapsing = collapsible(mesh);
     for (int v = 0; v < collapsing.allVertices(); ++v) {
       int h = collapsing.someHalfEdge(v), possible = 0;
-      for (int i = 0; i < collapsing.degree(v); ++i, h = collapsing.turned(h)) possible += collapsing.canCollapse(h);
+      for (int i = 0; i < collapsing.degree(v); ++i, h = collapsing.turned(h))
+        possible += collapsing.canCollapse(h);
       EXPECT_GE(possible, 1) << "vertex " << v << " of " << mesh.vertices.rows();
     }
   }
 }
 
 TEST(CollapsibleMesh, RefusesWhatWouldTearTheSphere) {
-  // Between the apexes of a bipyramid with three sides there is no edge, but the equator is a ring of three: to take a
-  // vertex of it away along the equator would fold two faces onto each other.
+  // Between the apexes of a bipyramid with three sides there is no edge, but the equator is a ring
+  // of three: to take a vertex of it away along the equator would fold two faces onto each other.
   const CollapsibleMesh mesh = collapsible(bipyramid(3));
   for (int v : {2, 3, 4}) {
     int h = mesh.someHalfEdge(v);

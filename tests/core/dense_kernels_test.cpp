@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/base/dense_kernels.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,8 @@ namespace {
 RowsF randomRows(Eigen::Index count, Eigen::Index columns, unsigned seed) {
   test::Random random(seed);
   RowsF rows(count, columns);
-  for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = static_cast<float>(random.normal());
+  for (Eigen::Index i = 0; i < rows.size(); ++i)
+    rows.data()[i] = static_cast<float>(random.normal());
   return rows;
 }
 
@@ -23,7 +25,8 @@ TEST(DenseKernels, SumsOuterProducts) {
       const Eigen::MatrixXd expected = rows.cast<double>().transpose() * rows.cast<double>();
       const Eigen::MatrixXf sum = sumOfOuterProducts(rows);
       EXPECT_EQ(sum, sum.transpose());
-      EXPECT_LT((sum.cast<double>() - expected).norm(), 1e-5 * (1 + expected.norm())) << count << " " << columns;
+      EXPECT_LT((sum.cast<double>() - expected).norm(), 1e-5 * (1 + expected.norm()))
+          << count << " " << columns;
     }
 }
 
@@ -42,8 +45,10 @@ TEST(DenseKernels, SumsInTheOrderOfTheRows) {
 
 TEST(DenseKernels, InvertsPositiveDefiniteMatrices) {
   for (Eigen::Index size : {1, 2, 11, 12, 13, 40, 252}) {
-    const Eigen::MatrixXd rows = randomRows(size + 3, size, static_cast<unsigned>(size)).cast<double>();
-    const Eigen::MatrixXd matrix = rows.transpose() * rows + 1e-3 * Eigen::MatrixXd::Identity(size, size);
+    const Eigen::MatrixXd rows =
+        randomRows(size + 3, size, static_cast<unsigned>(size)).cast<double>();
+    const Eigen::MatrixXd matrix =
+        rows.transpose() * rows + 1e-3 * Eigen::MatrixXd::Identity(size, size);
     Eigen::MatrixXd lower = matrix;
     lower.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // not looked at
     const Eigen::MatrixXd inverse = inverseOf(lower);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/digital_topology.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,8 @@ namespace {
 using test::labelsOf;
 using test::maskOf;
 
-/// Components by plain relaxation of labels, connected when the sum of squared steps is at most `reach`.
+/// Components by plain relaxation of labels, connected when the sum of squared steps is at most
+/// `reach`.
 int countComponents(const Mask& mask, bool inside, int reach) {
   const Eigen::Vector3i n = mask.size;
   std::vector<int> label(mask.inside.size(), -1);
@@ -32,8 +34,8 @@ int countComponents(const Mask& mask, bool inside, int reach) {
       for (int z = -1; z <= 1; ++z)
         for (int y = -1; y <= 1; ++y)
           for (int x = -1; x <= 1; ++x) {
-            if (x * x + y * y + z * z > reach || i + x < 0 || j + y < 0 || k + z < 0 || i + x >= n[0] ||
-                j + y >= n[1] || k + z >= n[2])
+            if (x * x + y * y + z * z > reach || i + x < 0 || j + y < 0 || k + z < 0 ||
+                i + x >= n[0] || j + y >= n[1] || k + z >= n[2])
               continue;
             const size_t next = mask.index(i + x, j + y, k + z);
             if ((mask.inside[next] != 0) != inside || label[next] >= 0) continue;
@@ -83,7 +85,8 @@ TEST(DistanceTransform, IsThatOfBruteForce) {
             for (int y = 0; y < 7; ++y)
               for (int x = 0; x < 6; ++x)
                 if ((mask(x, y, z) != 0) != in && (dimensions == 3 || z == k))
-                  nearest = std::min(nearest, spacing.cwiseProduct(Vector3(x - i, y - j, z - k)).norm());
+                  nearest =
+                      std::min(nearest, spacing.cwiseProduct(Vector3(x - i, y - j, z - k)).norm());
           EXPECT_NEAR(found[mask.index(i, j, k)], in ? nearest - half : half - nearest, 1e-5);
         }
   }
@@ -98,8 +101,9 @@ TEST(DistanceTransform, IsInfiniteWhereThereIsNoBorder) {
 }
 
 TEST(SimplePoint, IsOneThatChangesNoBettiNumber) {
-  // A sample of the 2^26 neighbourhoods, of every density. The Betti numbers of the neighbourhood alone tell nearly
-  // always; now and then one handle opens while another one closes, which they do not see.
+  // A sample of the 2^26 neighbourhoods, of every density. The Betti numbers of the neighbourhood
+  // alone tell nearly always; now and then one handle opens while another one closes, which they do
+  // not see.
   test::Random random(1);
   int simple = 0, unseen = 0;
   for (int sample = 0; sample < 20000; ++sample) {
@@ -132,9 +136,9 @@ TEST(SimplePoint, OfSmallNeighbourhoods) {
   EXPECT_FALSE(isSimple(at(1, 1, 0)));                 // inside voxels do not touch by edges
   EXPECT_FALSE(isSimple(at(1, 0, 0) | at(0, 1, 0)));   // nor do these two
   EXPECT_TRUE(isSimple(at(1, 0, 0) | at(0, 1, 0) | at(1, 1, 0)));
-  EXPECT_TRUE(isSimple(((1U << 27) - 1) & ~at(0, 0, 1)));                   // a dent
-  EXPECT_TRUE(isSimple(((1U << 27) - 1) & ~at(0, 1, 1)));                   // outside voxels touch by edges
-  EXPECT_FALSE(isSimple(((1U << 27) - 1) & ~at(1, 1, 1)));                  // but not by corners
+  EXPECT_TRUE(isSimple(((1U << 27) - 1) & ~at(0, 0, 1)));   // a dent
+  EXPECT_TRUE(isSimple(((1U << 27) - 1) & ~at(0, 1, 1)));   // outside voxels touch by edges
+  EXPECT_FALSE(isSimple(((1U << 27) - 1) & ~at(1, 1, 1)));  // but not by corners
   EXPECT_FALSE(isSimple(((1U << 27) - 1) & ~at(0, 0, 1) & ~at(0, 0, -1)));  // drills through
 }
 
@@ -151,7 +155,8 @@ TEST(MarchingCubes, SeparatesInsideCornersWhateverTheValues) {
   ScalarGrid grid({4, 4, 3}, Vector3::Zero(), Vector3::Ones());
   grid(1, 1, 1) = grid(2, 2, 1) = 1;
   grid(1, 2, 1) = grid(2, 1, 1) = 0.4F;  // the bilinear interpolant joins them
-  const IsoSurface joined = marchingCubes(grid, 0.5), apart = marchingCubes(grid, 0.5, FaceRule::SeparateInside);
+  const IsoSurface joined = marchingCubes(grid, 0.5),
+                   apart = marchingCubes(grid, 0.5, FaceRule::SeparateInside);
   EXPECT_EQ(joined.vertices.rows() - joined.faces.rows() / 2, 2);
   EXPECT_EQ(apart.vertices.rows() - apart.faces.rows() / 2, 4);
 }
@@ -169,7 +174,8 @@ TEST(KeepLargestPart, DropsTheOthersAndSaysHowMuch) {
 }
 
 TEST(FillCavities, FillsWhatIsClosedOff) {
-  Mask shell = maskOf(labelsOf([](const Vector3& x) { return x.norm() < 6 && x.norm() > 3; }, {15, 15, 15}));
+  Mask shell =
+      maskOf(labelsOf([](const Vector3& x) { return x.norm() < 6 && x.norm() > 3; }, {15, 15, 15}));
   const Mask whole = maskOf(labelsOf(test::ball(6), {15, 15, 15}));
   Mask opened = shell;
   EXPECT_GT(fillCavities(shell), 80);
@@ -225,7 +231,8 @@ TEST(RemoveHandles, CutsAHandleWhereItIsThinnest) {
 }
 
 TEST(RemoveHandles, OpensOrFillsACavityThatWasNotFilled) {
-  Mask shell = maskOf(labelsOf([](const Vector3& x) { return x.norm() < 6 && x.norm() > 3; }, {15, 15, 15}));
+  Mask shell =
+      maskOf(labelsOf([](const Vector3& x) { return x.norm() < 6 && x.norm() > 3; }, {15, 15, 15}));
   const RemovedHandles removed = removeHandles(shell, depthOf(shell));
   EXPECT_EQ(removed.handles, 0);
   EXPECT_GT(removed.changedVoxels, 0);
@@ -249,7 +256,8 @@ TEST(RemoveHandles, MakesABallOfAnything) {
 TEST(RemoveHandles, TreatsEveryPartByItself) {
   const auto torus = test::solidTorus(7, 2);
   Mask mask = maskOf(labelsOf(
-      [&](const Vector3& x) { return torus(x - Vector3(0, 0, 5)) || torus(x + Vector3(0, 0, 5)); }, {24, 24, 22}));
+      [&](const Vector3& x) { return torus(x - Vector3(0, 0, 5)) || torus(x + Vector3(0, 0, 5)); },
+      {24, 24, 22}));
   EXPECT_EQ(bettiNumbers(mask), Betti(2, 0, 2));
   EXPECT_EQ(removeHandles(mask, depthOf(mask)).handles, 2);
   expectBalls(mask, 2);
@@ -261,13 +269,15 @@ TEST(MoveBySimplePoints, KeepsTheTopologyAndThinSheets) {
     const Betti before = bettiNumbers(mask);
     test::Random random(seed);
     std::vector<float> values;
-    for (size_t i = 0; i < mask.inside.size(); ++i) values.push_back(static_cast<float>(random.normal()));
+    for (size_t i = 0; i < mask.inside.size(); ++i)
+      values.push_back(static_cast<float>(random.normal()));
     moveBySimplePoints(mask, values);
     EXPECT_EQ(bettiNumbers(mask), before);
   }
   // A sheet of one voxel that the values do not want at all: only its rim goes.
-  Mask sheet =
-      maskOf(labelsOf([](const Vector3& x) { return std::fabs(x[2]) < 0.5 && x.head<2>().norm() < 6; }, {15, 15, 5}));
+  Mask sheet = maskOf(
+      labelsOf([](const Vector3& x) { return std::fabs(x[2]) < 0.5 && x.head<2>().norm() < 6; },
+               {15, 15, 5}));
   const long before = std::count(sheet.inside.begin(), sheet.inside.end(), 1);
   moveBySimplePoints(sheet, std::vector<float>(sheet.inside.size(), -1));
   EXPECT_GT(std::count(sheet.inside.begin(), sheet.inside.end(), 1), before / 2);

@@ -1,4 +1,5 @@
-#include "vcg_ext/model/displacement_colors.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/display/displacement_colors.h"
 
 #include <gtest/gtest.h>
 
@@ -20,8 +21,10 @@ TEST(NormalDisplacements, AreSignedAlongTheNormal) {
   EXPECT_NEAR(normalDisplacements(sphere.vertices, smaller, sphere.faces).maxCoeff(), -0.5, 0.01);
   Points turned = sphere.vertices;
   turned.col(0) += 0.01 * sphere.vertices.col(1);
-  turned.col(1) -= 0.01 * sphere.vertices.col(0);  // about the z axis, to first order: along the surface
-  EXPECT_LT(normalDisplacements(sphere.vertices, turned, sphere.faces).cwiseAbs().maxCoeff(), 0.001);
+  turned.col(1) -=
+      0.01 * sphere.vertices.col(0);  // about the z axis, to first order: along the surface
+  EXPECT_LT(normalDisplacements(sphere.vertices, turned, sphere.faces).cwiseAbs().maxCoeff(),
+            0.001);
 }
 
 TEST(DisplacementColors, RunFromBlueOverWhiteToRed) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // Numbers that stand for contents.
 
 #include "vcg_ext/base/fingerprint.h"
@@ -18,7 +19,8 @@ int of(const Parts&... parts) {
 }
 
 TEST(Fingerprint, StaysTheSameOnEveryMachine) {
-  // By the published constants of SplitMix64: its first number from the seed 0 is 0xe220a8397b1dcdaf.
+  // By the published constants of SplitMix64: its first number from the seed 0 is
+  // 0xe220a8397b1dcdaf.
   EXPECT_EQ(of(0), 0xe220a8);
   EXPECT_EQ(of(0.0), 0xe220a8);
 }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/float_copy.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/repair/float_copy.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,7 @@
 #include <cmath>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -16,7 +17,8 @@ struct Copied {
   double farthest;  ///< from the original
 };
 
-/// A mesh on the sphere as its own map. What the copy says of itself must be what the certificate says of the floats.
+/// A mesh on the sphere as its own map. What the copy says of itself must be what the certificate
+/// says of the floats.
 Copied asFloat(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Copied result{copyToFloat(surface, SphereMap(surface, mesh.vertices)), 0};
@@ -29,7 +31,8 @@ Copied asFloat(const Mesh& mesh) {
 TEST(FloatCopy, OrdinaryMapsAreRoundedAndNoMore) {
   for (const Mesh& mesh : {octahedron(), icosahedron(), icosphereMesh(10), bipyramid(7)})
     for (unsigned seed = 0; seed < 4; ++seed) {
-      const Mesh turned = seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero());
+      const Mesh turned =
+          seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero());
       const Copied copied = asFloat(turned);
       EXPECT_TRUE(copied.copy.valid);
       EXPECT_EQ(copied.copy.mendedVertices, 0);
@@ -39,11 +42,13 @@ TEST(FloatCopy, OrdinaryMapsAreRoundedAndNoMore) {
 }
 
 TEST(FloatCopy, MendsWhatRoundingFlips) {
-  // Floats are up to 6e-8 apart: rounding flips faces not much larger than that, and moving vertices mends many.
+  // Floats are up to 6e-8 apart: rounding flips faces not much larger than that, and moving
+  // vertices mends many.
   int mended = 0;
   for (const double least : {1.7e-7, 2e-7})
     for (unsigned seed = 0; seed < 100; ++seed) {
-      const Copied copied = asFloat(transformed(rings(least), randomRotation(seed), 1, Vector3::Zero()));
+      const Copied copied =
+          asFloat(transformed(rings(least), randomRotation(seed), 1, Vector3::Zero()));
       if (copied.copy.mendedVertices == 0) continue;
       mended += copied.copy.valid;
       EXPECT_LT(copied.farthest, 2e-6);
@@ -52,7 +57,8 @@ TEST(FloatCopy, MendsWhatRoundingFlips) {
 }
 
 TEST(FloatCopy, SaysWhenFloatsCannotHoldTheMap) {
-  // Needles from both poles to an equator on which 100 vertices lie 1e-10 apart, where floats are 6e-8 apart.
+  // Needles from both poles to an equator on which 100 vertices lie 1e-10 apart, where floats are
+  // 6e-8 apart.
   constexpr int close = 100, sides = close + 3;
   Mesh mesh = bipyramid(sides);
   for (int i = 0; i < sides; ++i) {

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/harmonic_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/root_map/harmonic_map.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +9,9 @@
 #include <limits>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/map_measures.h"
-#include "vcg_ext/map/moebius_balancing.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/root_map/moebius_balancing.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation {
 namespace {
@@ -43,12 +44,14 @@ TEST(CotangentLaplacian, OfARegularOctahedronByHand) {
 }
 
 TEST(CotangentLaplacian, KillsConstantsAndIsPositiveOnTheRest) {
-  for (const test::Mesh& mesh : {test::noisyEllipsoid(1), test::withZeroAreaFace(), test::ellipsoid(1, 1, 1e-3, 3)}) {
+  for (const test::Mesh& mesh :
+       {test::noisyEllipsoid(1), test::withZeroAreaFace(), test::ellipsoid(1, 1, 1e-3, 3)}) {
     for (const double least : {-std::numeric_limits<double>::infinity(), 0.01}) {
       const Eigen::MatrixXd laplacian = cotangentLaplacian(surfaceOf(mesh), least);
       EXPECT_LT(laplacian.rowwise().sum().cwiseAbs().maxCoeff(), 1e-9);
       EXPECT_LT((laplacian - laplacian.transpose()).cwiseAbs().maxCoeff(), 1e-15);
-      const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(laplacian).eigenvalues();
+      const Eigen::VectorXd values =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(laplacian).eigenvalues();
       EXPECT_NEAR(values[0], 0, 1e-10);
       EXPECT_GT(values[1], 1e-6);
       if (least > 0) {
@@ -62,8 +65,8 @@ TEST(CotangentLaplacian, DoesNotDependOnScale) {
   const test::Mesh mesh = test::noisyEllipsoid(2);
   const Eigen::MatrixXd reference = cotangentLaplacian(surfaceOf(mesh));
   for (const double scale : {1e-150, 1e-3, 1e150}) {
-    const Eigen::MatrixXd laplacian =
-        cotangentLaplacian(surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), scale, Vector3::Zero())));
+    const Eigen::MatrixXd laplacian = cotangentLaplacian(
+        surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), scale, Vector3::Zero())));
     EXPECT_LT((laplacian - reference).cwiseAbs().maxCoeff(), 1e-8);
   }
 }
@@ -73,8 +76,9 @@ TEST(MoebiusBalancing, CentresTheMeanAndKeepsCrossRatios) {
   Points points(200, 3);
   Eigen::VectorXd weights(200);
   for (int i = 0; i < 200; ++i) {
-    points.row(i) =
-        (random.direction() + Vector3(0.2, -0.3, 1.5)).normalized().transpose();  // most of them near a pole
+    points.row(i) = (random.direction() + Vector3(0.2, -0.3, 1.5))
+                        .normalized()
+                        .transpose();  // most of them near a pole
     weights[i] = random.uniform(0.1, 1);
   }
   EXPECT_GT(meanLength(points, weights), 0.5);
@@ -87,12 +91,13 @@ TEST(MoebiusBalancing, CentresTheMeanAndKeepsCrossRatios) {
     return chord(0, 1) * chord(2, 3) / (chord(0, 2) * chord(1, 3));
   };
   for (int i = 0; i + 3 < 200; ++i)
-    EXPECT_NEAR(crossRatio(balanced, i) / crossRatio(points, i), 1, 1e-9) << "points " << i << " to " << i + 3;
+    EXPECT_NEAR(crossRatio(balanced, i) / crossRatio(points, i), 1, 1e-9)
+        << "points " << i << " to " << i + 3;
 }
 
 TEST(MoebiusBalancing, LeavesWhatIsBalancedAndComesBackFromFarAway) {
-  const test::Mesh mesh =
-      test::transformed(test::icosphereMesh(4), test::randomRotation(1), 1, Vector3::Zero());  // no vertex at the pole
+  const test::Mesh mesh = test::transformed(test::icosphereMesh(4), test::randomRotation(1), 1,
+                                            Vector3::Zero());  // no vertex at the pole
   const Eigen::VectorXd weights = Eigen::VectorXd::Ones(mesh.vertices.rows());
   EXPECT_LT(distance(balanceByMoebius(mesh.vertices, weights), mesh.vertices), 1e-12);
   // Towards the pole by the stereographic scale 300: half of the points within 0.4 degrees of it.
@@ -107,7 +112,10 @@ TEST(MoebiusBalancing, LeavesWhatIsBalancedAndComesBackFromFarAway) {
   EXPECT_GT(meanLength(far, weights), 0.95);
   // The transformation is known up to a rotation, which keeps all distances.
   const Points back = balanceByMoebius(far, weights);
-  EXPECT_LT(((back * back.transpose()) - (mesh.vertices * mesh.vertices.transpose())).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT(((back * back.transpose()) - (mesh.vertices * mesh.vertices.transpose()))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-9);
 }
 
 TEST(MoebiusBalancing, EndsWhereThereIsNoBalance) {
@@ -119,12 +127,14 @@ TEST(MoebiusBalancing, EndsWhereThereIsNoBalance) {
 }
 
 TEST(HarmonicMap, OfASphereIsTheSphereTurnedAlike) {
-  // Conformally the sphere is itself; what is left is discretisation, mostly round the puncture, and shrinks with it.
+  // Conformally the sphere is itself; what is left is discretisation, mostly round the puncture,
+  // and shrinks with it.
   double before = 0;
   for (const int frequency : {4, 8, 16}) {
     const test::Mesh mesh = test::icosphereMesh(frequency);
     const Eigen::Matrix3d rotation = test::randomRotation(7);
-    const Points positions = harmonicPositions(surfaceOf(test::transformed(mesh, rotation, 12.5, {100, 200, 300})));
+    const Points positions =
+        harmonicPositions(surfaceOf(test::transformed(mesh, rotation, 12.5, {100, 200, 300})));
     const double error = (positions - mesh.vertices * rotation.transpose()).rowwise().norm().mean();
     EXPECT_LT(error, 0.25 / frequency);
     if (frequency > 4) {
@@ -135,7 +145,8 @@ TEST(HarmonicMap, OfASphereIsTheSphereTurnedAlike) {
 }
 
 TEST(HarmonicMap, KeepsAngles) {
-  // The faces of a stretched icosphere are obtuse in places: with clamped cotangents the error would be 11 degrees.
+  // The faces of a stretched icosphere are obtuse in places: with clamped cotangents the error
+  // would be 11 degrees.
   const ClosedSurface surface = surfaceOf(test::ellipsoid(30, 15, 10, 16));
   EXPECT_LT(measureMap(surface, harmonicPositions(surface)).angleErrorMean, 3.5);
 }
@@ -149,7 +160,8 @@ TEST(HarmonicMap, IsBalancedOnTheSphereAndOrientationPreserving) {
     EXPECT_LT((positions.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-14);
     EXPECT_LT(meanLength(positions, vertexAreas(surface)), 1e-6);
     const Certificate certificate = certify(surface.faces(), positions);
-    EXPECT_TRUE(certificate.valid()) << certificate.reason() << " (" << surface.vertexCount() << " vertices)";
+    EXPECT_TRUE(certificate.valid())
+        << certificate.reason() << " (" << surface.vertexCount() << " vertices)";
   }
 }
 
@@ -159,8 +171,8 @@ TEST(HarmonicMap, TurnsAndScalesWithTheShape) {
   for (unsigned seed = 0; seed < 3; ++seed)
     for (const double scale : {1e-100, 0.001, 1e100}) {
       const Eigen::Matrix3d rotation = test::randomRotation(seed);
-      const Points positions =
-          harmonicPositions(surfaceOf(test::transformed(mesh, rotation, scale, scale * Vector3(5, -1, 2))));
+      const Points positions = harmonicPositions(
+          surfaceOf(test::transformed(mesh, rotation, scale, scale * Vector3(5, -1, 2))));
       EXPECT_LT(distance(positions, reference * rotation.transpose()), 1e-8);
     }
 }
@@ -169,8 +181,10 @@ TEST(HarmonicMap, BearsFacesWithoutAreaAndExtremeShapes) {
   test::Mesh flattened = test::ellipsoid(30, 20, 1e-9);
   test::Mesh collapsed = test::noisyEllipsoid(4);
   for (int f = 0; f < 60; ++f)  // a tenth of the vertices moved onto a neighbour
-    collapsed.vertices.row(collapsed.faces(21 * f, 0)) = collapsed.vertices.row(collapsed.faces(21 * f, 1));
-  for (const test::Mesh& mesh : {test::withZeroAreaFace(), flattened, collapsed, test::ellipsoid(1000, 1, 1, 12)}) {
+    collapsed.vertices.row(collapsed.faces(21 * f, 0)) =
+        collapsed.vertices.row(collapsed.faces(21 * f, 1));
+  for (const test::Mesh& mesh :
+       {test::withZeroAreaFace(), flattened, collapsed, test::ellipsoid(1000, 1, 1, 12)}) {
     const ClosedSurface surface = surfaceOf(mesh);
     const Points positions = harmonicPositions(surface);
     ASSERT_EQ(positions.rows(), surface.vertexCount());

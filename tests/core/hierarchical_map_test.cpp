@@ -1,4 +1,5 @@
-#include "vcg_ext/map/hierarchical_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/root_map/hierarchical_map.h"
 
 #include <gtest/gtest.h>
 
@@ -9,25 +10,27 @@
 #include <vector>
 
 #include "tests/core/limb_meshes.h"
-#include "vcg_ext/map/area_preserving_map.h"
-#include "vcg_ext/map/local_step.h"
-#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/area/area_preserving_map.h"
+#include "vcg_ext/area/local_step.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation::test {
 namespace {
 
 Points mapOf(const Mesh& mesh, int threads = 1) {
   ThreadPool pool(threads);
-  return hierarchicalMap(ClosedSurface(mesh.vertices, mesh.faces), energyWeights(0.9), pool).positions;
+  return hierarchicalMap(ClosedSurface(mesh.vertices, mesh.faces), energyWeights(0.9), pool)
+      .positions;
 }
 
 TEST(HierarchicalMap, IsValidWhateverTheShape) {
   Mesh random = icosphereMesh(8);
   Random numbers(1);
-  for (Eigen::Index v = 0; v < random.vertices.rows(); ++v) random.vertices.row(v) = numbers.direction().transpose();
-  for (const Mesh& mesh :
-       {tetrahedron(), bipyramid(3), bipyramid(5000), limbs(20, 1), tree(2, 3, 1), tree(3, 3, 1), disc(12),
-        coil(3, 8, 100), rings(1e-6), ellipsoid(30, 20, 0), stretched(noisyEllipsoid(1), 100, 1, 1), random}) {
+  for (Eigen::Index v = 0; v < random.vertices.rows(); ++v)
+    random.vertices.row(v) = numbers.direction().transpose();
+  for (const Mesh& mesh : {tetrahedron(), bipyramid(3), bipyramid(5000), limbs(20, 1),
+                           tree(2, 3, 1), tree(3, 3, 1), disc(12), coil(3, 8, 100), rings(1e-6),
+                           ellipsoid(30, 20, 0), stretched(noisyEllipsoid(1), 100, 1, 1), random}) {
     ThreadPool pool;
     Mesh outward = mesh;
     for (int turn = 0; turn < 2; ++turn) {
@@ -35,7 +38,8 @@ TEST(HierarchicalMap, IsValidWhateverTheShape) {
         const ClosedSurface surface(outward.vertices, outward.faces);
         const HierarchicalResult result = hierarchicalMap(surface, energyWeights(0.9), pool);
         const Certificate certificate = certify(surface.faces(), result.positions);
-        EXPECT_TRUE(certificate.valid()) << mesh.vertices.rows() << " vertices: " << certificate.reason();
+        EXPECT_TRUE(certificate.valid())
+            << mesh.vertices.rows() << " vertices: " << certificate.reason();
         break;
       } catch (const SurfaceError&) {  // random positions may be inside out
         outward.faces.col(1).swap(outward.faces.col(2));
@@ -58,10 +62,12 @@ TEST(HierarchicalMap, DoesNotDependOnTheNumbering) {
   const auto shuffled = [&](Eigen::Index count) {
     std::vector<int> order(static_cast<size_t>(count));
     std::iota(order.begin(), order.end(), 0);
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.index(static_cast<int>(i))]);
+    for (size_t i = order.size(); i > 1; --i)
+      std::swap(order[i - 1], order[random.index(static_cast<int>(i))]);
     return order;
   };
-  const std::vector<int> vertexOrder = shuffled(mesh.vertices.rows()), faceOrder = shuffled(mesh.faces.rows());
+  const std::vector<int> vertexOrder = shuffled(mesh.vertices.rows()),
+                         faceOrder = shuffled(mesh.faces.rows());
   Mesh renumbered = mesh;
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
     renumbered.vertices.row(vertexOrder[v]) = mesh.vertices.row(v);
@@ -79,12 +85,14 @@ TEST(HierarchicalMap, StandsAsTheSurfaceDoes) {
   for (const double scale : {1e-30, 0.01, 1e30})
     EXPECT_LT((mapOf({scale * mesh.vertices, mesh.faces}) - reference).cwiseAbs().maxCoeff(), 1e-5);
   const double sd = measureMap(ClosedSurface(mesh.vertices, mesh.faces), reference).areaRatioSd;
-  for (unsigned seed = 0; seed < 4; ++seed) {  // another hierarchy, the same optimum but for how near it came
+  for (unsigned seed = 0; seed < 4;
+       ++seed) {  // another hierarchy, the same optimum but for how near it came
     const Eigen::Matrix3d rotation = randomRotation(seed);
     const Mesh turned = transformed(mesh, rotation, 1, Vector3(30, -10, 5));
     const Points map = mapOf(turned);
     EXPECT_LT((map - reference * rotation.transpose()).rowwise().norm().mean(), 0.03);
-    EXPECT_NEAR(measureMap(ClosedSurface(turned.vertices, turned.faces), map).areaRatioSd / sd, 1, 0.3);
+    EXPECT_NEAR(measureMap(ClosedSurface(turned.vertices, turned.faces), map).areaRatioSd / sd, 1,
+                0.3);
   }
 }
 
@@ -94,8 +102,10 @@ TEST(LocalStep, LowersTheEnergyAndStaysInside) {
     VertexStar star;
     const int sides = 3 + random.index(6);
     for (int j = 0; j < sides; ++j) {
-      const double angle = 2 * pi * (j + random.uniform(0, 0.5)) / sides, radius = random.uniform(0.3, 0.6);
-      star.rim.push_back(Vector3(radius * std::cos(angle), radius * std::sin(angle), 1).normalized());
+      const double angle = 2 * pi * (j + random.uniform(0, 0.5)) / sides,
+                   radius = random.uniform(0.3, 0.6);
+      star.rim.push_back(
+          Vector3(radius * std::cos(angle), radius * std::sin(angle), 1).normalized());
       star.targets.emplace_back(random.uniform(0.01, 0.2), random.uniform(0.5, 5),
                                 std::array<float, 3>{0.5F, 0.5F, 0.5F});
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/icosphere.h"
 
 #include <gtest/gtest.h>
@@ -8,10 +9,10 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/sphere_map.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/sphere_map.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -21,7 +22,8 @@ TEST(Icosphere, CountsAndTopology) {
     const Icosphere sphere = icosphere(f);
     EXPECT_EQ(sphere.vertices.rows(), 10 * f * f + 2);
     EXPECT_EQ(sphere.faces.rows(), 20 * f * f);
-    const ClosedSurface surface(sphere.vertices, sphere.faces);  // throws unless closed, outward, of genus 0
+    const ClosedSurface surface(sphere.vertices,
+                                sphere.faces);  // throws unless closed, outward, of genus 0
     const SphereMap map(surface, sphere.vertices);
     int five = 0;
     for (int v = 0; v < surface.vertexCount(); ++v) {
@@ -35,17 +37,21 @@ TEST(Icosphere, CountsAndTopology) {
 }
 
 TEST(Icosphere, IsTheSubdividedIcosahedron) {
-  // The slow construction of the tests, turned so that it stands on the same corner and the same edge.
+  // The slow construction of the tests, turned so that it stands on the same corner and the same
+  // edge.
   for (const int f : {1, 2, 5}) {
     const Icosphere sphere = icosphere(f);
     const Icosphere base = icosphere(1);
     const Mesh plain = icosahedron();
     Eigen::Matrix3d from, to;
-    from << plain.vertices.row(0).transpose(), plain.vertices.row(11).transpose(), plain.vertices.row(5).transpose();
-    to << base.vertices.row(0).transpose(), base.vertices.row(1).transpose(), base.vertices.row(2).transpose();
+    from << plain.vertices.row(0).transpose(), plain.vertices.row(11).transpose(),
+        plain.vertices.row(5).transpose();
+    to << base.vertices.row(0).transpose(), base.vertices.row(1).transpose(),
+        base.vertices.row(2).transpose();
     const Mesh slow = transformed(icosphereMesh(f), to * from.inverse(), 1, Vector3::Zero());
     for (Eigen::Index v = 0; v < sphere.vertices.rows(); ++v) {
-      const double distance = (slow.vertices.rowwise() - sphere.vertices.row(v)).rowwise().norm().minCoeff();
+      const double distance =
+          (slow.vertices.rowwise() - sphere.vertices.row(v)).rowwise().norm().minCoeff();
       EXPECT_LT(distance, 1e-14) << "frequency " << f << ", vertex " << v;
     }
   }
@@ -59,8 +65,9 @@ TEST(Icosphere, Regularity) {
     double shortest = 9, longest = 0;
     for (Eigen::Index t = 0; t < sphere.faces.rows(); ++t)
       for (int k = 0; k < 3; ++k) {
-        const double length =
-            (sphere.vertices.row(sphere.faces(t, k)) - sphere.vertices.row(sphere.faces(t, (k + 1) % 3))).norm();
+        const double length = (sphere.vertices.row(sphere.faces(t, k)) -
+                               sphere.vertices.row(sphere.faces(t, (k + 1) % 3)))
+                                  .norm();
         shortest = std::min(shortest, length);
         longest = std::max(longest, length);
       }
@@ -102,7 +109,9 @@ TEST(Icosphere, Nested) {
   const auto rowStarts = [](int frequency) {
     std::vector<int> starts{0};
     for (int row = 0; row <= 3 * frequency; ++row) {
-      const int size = row == 0 || row == 3 * frequency ? 1 : 5 * std::min({row, frequency, 3 * frequency - row});
+      const int size = row == 0 || row == 3 * frequency
+                           ? 1
+                           : 5 * std::min({row, frequency, 3 * frequency - row});
       starts.push_back(starts.back() + size);
     }
     return starts;
@@ -111,7 +120,9 @@ TEST(Icosphere, Nested) {
   ASSERT_EQ(from.back(), coarse.vertices.rows());
   for (int row = 0; row <= 3 * f; ++row)
     for (int s = 0; from[row] + s < from[row + 1]; ++s)
-      EXPECT_LT((coarse.vertices.row(from[row] + s) - fine.vertices.row(to[k * row] + k * s)).norm(), 1e-15);
+      EXPECT_LT(
+          (coarse.vertices.row(from[row] + s) - fine.vertices.row(to[k * row] + k * s)).norm(),
+          1e-15);
 }
 
 TEST(Icosphere, IsRecognisedByItsFaces) {
@@ -119,7 +130,8 @@ TEST(Icosphere, IsRecognisedByItsFaces) {
     const Icosphere sphere = icosphere(f);
     EXPECT_EQ(icosphereFrequency(sphere.vertices.rows(), sphere.faces), f);
     EXPECT_EQ(icosphereFrequency(sphere.vertices.rows() + 1, sphere.faces), std::nullopt);
-    EXPECT_EQ(icosphereFrequency(sphere.vertices.rows(), sphere.faces.topRows(20 * f * f - 1)), std::nullopt);
+    EXPECT_EQ(icosphereFrequency(sphere.vertices.rows(), sphere.faces.topRows(20 * f * f - 1)),
+              std::nullopt);
     Triangles other = sphere.faces;
     std::swap(other(20 * f * f - 1, 0), other(20 * f * f - 1, 2));
     EXPECT_EQ(icosphereFrequency(sphere.vertices.rows(), other), std::nullopt);
@@ -130,12 +142,14 @@ TEST(Icosphere, IsRecognisedByItsFaces) {
 }
 
 TEST(Icosphere, FrequencyOutOfRange) {
-  for (const int f : {0, -1, largestIcosphereFrequency + 1, 1 << 30}) EXPECT_THROW(icosphere(f), ParameterError);
+  for (const int f : {0, -1, maxIcosphereFrequency + 1, 1 << 30})
+    EXPECT_THROW(icosphere(f), ParameterError);
   try {
     icosphere(2000);
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_NE(std::string(error.what()).find("40000002 landmarks"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("40000002 landmarks"), std::string::npos)
+        << error.what();
     EXPECT_NE(std::string(error.what()).find("1920 MB"), std::string::npos) << error.what();
   }
 }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/kernel_placement.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/kernel_placement.h"
 
 #include <gtest/gtest.h>
 
@@ -7,16 +8,17 @@
 #include <cmath>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/spherical_triangle.h"
+#include "vcg_ext/sphere/spherical_triangle.h"
 
 namespace sphere_propagation::test {
 namespace {
 
 constexpr double least = 1e-13;
 
-double smallestDeterminant(const std::vector<Vector3>& rim, const Vector3& x) {
+double minDeterminant(const std::vector<Vector3>& rim, const Vector3& x) {
   double smallest = 1;
-  for (size_t i = 0; i < rim.size(); ++i) smallest = std::min(smallest, x.dot(rim[i].cross(rim[(i + 1) % rim.size()])));
+  for (size_t i = 0; i < rim.size(); ++i)
+    smallest = std::min(smallest, x.dot(rim[i].cross(rim[(i + 1) % rim.size()])));
   return smallest;
 }
 
@@ -42,7 +44,7 @@ TEST(KernelPlacement, FindsAPlaceThatSeesTheWholeRim) {
       Vector3 x;
       ASSERT_TRUE(placeInKernel(rim, rim[0], 1e-30, x)) << "size " << size << ", polygon " << i;
       EXPECT_NEAR(x.norm(), 1, 1e-14);
-      EXPECT_GT(smallestDeterminant(rim, x), 0);
+      EXPECT_GT(minDeterminant(rim, x), 0);
     }
 }
 
@@ -58,11 +60,12 @@ TEST(KernelPlacement, IsTheCentroidOfAConvexPolygon) {
 TEST(KernelPlacement, WorksForRingsOfThousandsAndBeyondAHemisphere) {
   std::vector<Vector3> rim;
   for (int i = 0; i < 5000; ++i)
-    rim.push_back(Vector3(std::cos(2 * pi * i / 5000), std::sin(2 * pi * i / 5000), -0.2).normalized());
+    rim.push_back(
+        Vector3(std::cos(2 * pi * i / 5000), std::sin(2 * pi * i / 5000), -0.2).normalized());
   for (const Vector3& near : {Vector3(Vector3::UnitZ()), rim[0]}) {
     Vector3 x;
     ASSERT_TRUE(placeInKernel(rim, near, least, x));
-    EXPECT_GT(smallestDeterminant(rim, x), 0);
+    EXPECT_GT(minDeterminant(rim, x), 0);
   }
 }
 
@@ -70,7 +73,8 @@ TEST(KernelPlacement, SaysSoWhenThereIsNone) {
   // A star whose points are turned so far that no place sees both sides of each.
   std::vector<Vector3> rim;
   for (int i = 0; i < 10; ++i) {
-    const double angle = 2 * pi * i / 10 + (i % 2 == 0 ? 0.0 : 1.2), radius = i % 2 == 0 ? 0.1 : 1.0;
+    const double angle = 2 * pi * i / 10 + (i % 2 == 0 ? 0.0 : 1.2),
+                 radius = i % 2 == 0 ? 0.1 : 1.0;
     rim.push_back(Vector3(radius * std::cos(angle), radius * std::sin(angle), 3).normalized());
   }
   Vector3 x;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "tests/core/label_shapes.h"
 
 #include "vcg_ext/volume/gaussian_smoothing.h"

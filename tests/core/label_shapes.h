@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Label volumes of analytic shapes, for the tests of what makes surfaces of them.
 
@@ -12,12 +13,13 @@
 namespace sphere_propagation::test {
 
 /// Voxels whose centre is inside have label 1; the grid is centred on the origin.
-inline LabelGrid labelsOf(const std::function<bool(const Vector3&)>& inside, const Eigen::Vector3i& size,
-                          const Vector3& spacing = Vector3::Ones()) {
+inline LabelGrid labelsOf(const std::function<bool(const Vector3&)>& inside,
+                          const Eigen::Vector3i& size, const Vector3& spacing = Vector3::Ones()) {
   LabelGrid grid;
   grid.size = size;
   grid.toWorld.topLeftCorner<3, 3>() = spacing.asDiagonal();
-  grid.toWorld.topRightCorner<3, 1>() = -0.5 * (size.cast<double>() - Vector3::Ones()).cwiseProduct(spacing);
+  grid.toWorld.topRightCorner<3, 1>() =
+      -0.5 * (size.cast<double>() - Vector3::Ones()).cwiseProduct(spacing);
   grid.labels.reserve(grid.index(0, 0, size[2]));
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
@@ -28,7 +30,8 @@ inline LabelGrid labelsOf(const std::function<bool(const Vector3&)>& inside, con
   return grid;
 }
 
-inline std::function<bool(const Vector3&)> ball(double radius, const Vector3& centre = Vector3::Zero()) {
+inline std::function<bool(const Vector3&)> ball(double radius,
+                                                const Vector3& centre = Vector3::Zero()) {
   return [=](const Vector3& x) { return (x - centre).norm() < radius; };
 }
 
@@ -42,7 +45,8 @@ inline std::function<bool(const Vector3&)> thickCup(double inner, double outer) 
   return [=](const Vector3& x) { return x.norm() < outer && x.norm() > inner && x[2] < 0; };
 }
 
-/// Smoothed noise above 0: parts, cavities and handles in plenty. `share` of single voxels are then turned round.
+/// Smoothed noise above 0: parts, cavities and handles in plenty. `share` of single voxels are then
+/// turned round.
 LabelGrid randomBlobs(unsigned seed, const Eigen::Vector3i& size, double smoothness, double share);
 
 inline Mask maskOf(const LabelGrid& grid) {

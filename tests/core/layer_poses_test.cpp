@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/layer_poses.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sequence/layer_poses.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,8 @@ using test::Mesh;
 
 /// A lopsided shape that shrinks a little from phase to phase.
 Mesh phaseOf(int phase) {
-  Mesh mesh =
-      test::transformed(test::icosphereMesh(9 + phase % 2), test::randomRotation(20 + phase), 1, Vector3::Zero());
+  Mesh mesh = test::transformed(test::icosphereMesh(9 + phase % 2),
+                                test::randomRotation(20 + phase), 1, Vector3::Zero());
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     const Vector3 d = mesh.vertices.row(v).transpose();
     mesh.vertices.row(v) *= 1 + 0.5 * std::exp(-4 * (d - Vector3(0.6, 0.64, 0.48)).squaredNorm()) +
@@ -33,10 +34,13 @@ std::vector<ClosedSurface> sequence(int phases) {
   return surfaces;
 }
 
-const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
+const Eigen::Matrix3d turn =
+    Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
 const Vector3 shift(60, -10, 5);
 
-ClosedSurface movedPhase(int phase) { return surfaceOf(test::transformed(phaseOf(phase), turn, 1, shift)); }
+ClosedSurface movedPhase(int phase) {
+  return surfaceOf(test::transformed(phaseOf(phase), turn, 1, shift));
+}
 
 TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
   for (const PropagationTree& tree : {timeOrder(6, 2), star(6, 0)})
@@ -57,7 +61,10 @@ TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
   EXPECT_TRUE(poses[2].moved);
   EXPECT_NEAR(poses[2].angle, 1.1 * 180 / pi, 2);
   EXPECT_LT((poses[2].toRoot.rotation * turn - Eigen::Matrix3d::Identity()).norm(), 0.04);
-  EXPECT_LT((movedSurface(surfaces[2], poses[2].toRoot).vertices() - phaseOf(2).vertices).rowwise().norm().maxCoeff(),
+  EXPECT_LT((movedSurface(surfaces[2], poses[2].toRoot).vertices() - phaseOf(2).vertices)
+                .rowwise()
+                .norm()
+                .maxCoeff(),
             2);
 }
 

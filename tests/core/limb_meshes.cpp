@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "tests/core/limb_meshes.h"
 
 #include <Eigen/Geometry>
@@ -36,11 +37,14 @@ struct Builder {
   }
 };
 
-/// Grows a tube of so many segments out of the triangle, and `depth` times three more out of its end.
-void grow(Builder& builder, std::array<int, 3> base, const Vector3& direction, double width, int segments, int depth) {
+/// Grows a tube of so many segments out of the triangle, and `depth` times three more out of its
+/// end.
+void grow(Builder& builder, std::array<int, 3> base, const Vector3& direction, double width,
+          int segments, int depth) {
   for (int segment = 0; segment < segments; ++segment) {
     std::array<int, 3> end{};
-    for (int k = 0; k < 3; ++k) end[k] = builder.add(builder.vertices[base[k]] + 2 * width * direction);
+    for (int k = 0; k < 3; ++k)
+      end[k] = builder.add(builder.vertices[base[k]] + 2 * width * direction);
     for (int k = 0; k < 3; ++k) {
       const int l = (k + 1) % 3;
       builder.faces.push_back({base[k], base[l], end[l]});
@@ -52,7 +56,8 @@ void grow(Builder& builder, std::array<int, 3> base, const Vector3& direction, d
     builder.faces.push_back(base);
     return;
   }
-  const Vector3 centre = (builder.vertices[base[0]] + builder.vertices[base[1]] + builder.vertices[base[2]]) / 3;
+  const Vector3 centre =
+      (builder.vertices[base[0]] + builder.vertices[base[1]] + builder.vertices[base[2]]) / 3;
   const int tip = builder.add(centre + width * direction);
   for (int k = 0; k < 3; ++k) {
     const std::array<int, 3> side{base[k], base[(k + 1) % 3], tip};
@@ -72,7 +77,8 @@ Mesh subdivided(Mesh mesh, int times) {
     Points vertices(n + halfEdges / 2, 3);
     for (int v = 0; v < n; ++v) {
       const IndexRange ring = surface.ring(v);
-      const double c = 0.375 + 0.25 * std::cos(2 * pi / ring.size()), beta = (0.625 - c * c) / ring.size();
+      const double c = 0.375 + 0.25 * std::cos(2 * pi / ring.size()),
+                   beta = (0.625 - c * c) / ring.size();
       Vector3 sum = Vector3::Zero();
       for (int w : ring) sum += surface.vertex(w);
       vertices.row(v) = ((1 - beta * ring.size()) * surface.vertex(v) + beta * sum).transpose();
@@ -94,7 +100,8 @@ Mesh subdivided(Mesh mesh, int times) {
     Triangles faces(4 * surface.faceCount(), 3);
     for (int f = 0; f < surface.faceCount(); ++f) {
       const int* m = middle.data() + static_cast<size_t>(3) * f;
-      for (int k = 0; k < 3; ++k) faces.row(4 * f + k) << surface.faces()(f, k), m[k], m[(k + 2) % 3];
+      for (int k = 0; k < 3; ++k)
+        faces.row(4 * f + k) << surface.faces()(f, k), m[k], m[(k + 2) % 3];
       faces.row(4 * f + 3) << m[0], m[1], m[2];
     }
     mesh = {std::move(vertices), std::move(faces)};
@@ -128,7 +135,8 @@ Mesh limbs(int segments, int subdivisions) { return subdivided(tetrapod(segments
 
 Mesh tree(int depth, int segments, int subdivisions) {
   Builder builder;
-  const std::array<int, 3> base{builder.add(Vector3(1, 0, 0)), builder.add(Vector3(-0.5, std::sqrt(0.75), 0)),
+  const std::array<int, 3> base{builder.add(Vector3(1, 0, 0)),
+                                builder.add(Vector3(-0.5, std::sqrt(0.75), 0)),
                                 builder.add(Vector3(-0.5, -std::sqrt(0.75), 0))};
   builder.faces.push_back({base[0], base[2], base[1]});
   grow(builder, base, Vector3(0, 0, 1), 1, segments, depth);
@@ -141,10 +149,12 @@ Mesh disc(int rings) {
   std::vector<std::vector<std::array<int, 2>>> vertex(static_cast<size_t>(rings) + 1);
   for (int ring = 0; ring <= rings; ++ring)
     for (int i = 0; i < std::max(6 * ring, 1); ++i) {
-      const double radius = static_cast<double>(ring) / rings, angle = ring > 0 ? 2 * pi * i / (6 * ring) : 0;
+      const double radius = static_cast<double>(ring) / rings,
+                   angle = ring > 0 ? 2 * pi * i / (6 * ring) : 0;
       const double height = 0.01 * std::sqrt(std::max(0.0, 1 - std::pow(radius, 8)));
       const Vector3 p(radius * std::cos(angle), radius * std::sin(angle), height);
-      const int above = builder.add(p), below = ring == rings ? above : builder.add({p[0], p[1], -p[2]});
+      const int above = builder.add(p),
+                below = ring == rings ? above : builder.add({p[0], p[1], -p[2]});
       vertex[ring].push_back({above, below});
     }
   for (int side = 0; side < 2; ++side) {
@@ -155,8 +165,12 @@ Mesh disc(int rings) {
     for (int ring = 0; ring < rings; ++ring)
       for (int sector = 0; sector < 6; ++sector)
         for (int i = 0; i <= ring; ++i) {
-          const auto inner = [&](int j) { return vertex[ring][(sector * ring + j) % std::max(6 * ring, 1)][side]; };
-          const auto outer = [&](int j) { return vertex[ring + 1][(sector * (ring + 1) + j) % (6 * ring + 6)][side]; };
+          const auto inner = [&](int j) {
+            return vertex[ring][(sector * ring + j) % std::max(6 * ring, 1)][side];
+          };
+          const auto outer = [&](int j) {
+            return vertex[ring + 1][(sector * (ring + 1) + j) % (6 * ring + 6)][side];
+          };
           add(inner(i), outer(i), outer(i + 1));
           if (i < ring) add(inner(i), outer(i + 1), inner(i + 1));
         }
@@ -188,7 +202,8 @@ Mesh coil(double turns, int around, int along) {
   const int first = builder.add(centre(0)), last = builder.add(centre(1));
   for (int i = 0; i < around; ++i) {
     builder.faces.push_back({first, i, (i + 1) % around});
-    builder.faces.push_back({last, (along - 1) * around + (i + 1) % around, (along - 1) * around + i});
+    builder.faces.push_back(
+        {last, (along - 1) * around + (i + 1) % around, (along - 1) * around + i});
   }
   return builder.mesh();
 }

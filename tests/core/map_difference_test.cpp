@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/map_difference.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/transfer/map_difference.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,8 @@ TEST(MapDifference, ATurnOfASphereMovesItsLandmarksAlongIt) {
   const ClosedSurface surface =
       surfaceOf(test::transformed(sphere, Eigen::Matrix3d::Identity(), radius, Vector3(1, 2, 3)));
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn, Vector3(1, 2, 2) / 3).toRotationMatrix();
-  const SphereMap map(surface, sphere.vertices), turned(surface, sphere.vertices * rotation.transpose());
+  const SphereMap map(surface, sphere.vertices),
+      turned(surface, sphere.vertices * rotation.transpose());
   const MapDifference difference = differenceOf(surface, map, turned);
   // The mean of the sine of the distance from the axis is pi / 4.
   EXPECT_NEAR(difference.angle.mean, turn * 180 / pi * pi / 4, 0.01);
@@ -35,8 +37,10 @@ TEST(MapDifference, ATurnOfASphereMovesItsLandmarksAlongIt) {
 }
 
 TEST(MapDifference, RefusesMapsOfOthers) {
-  const ClosedSurface surface = surfaceOf(test::octahedron()), other = surfaceOf(test::icosahedron());
-  const SphereMap map(surface, test::octahedron().vertices), foreign(other, test::icosahedron().vertices);
+  const ClosedSurface surface = surfaceOf(test::octahedron()),
+                      other = surfaceOf(test::icosahedron());
+  const SphereMap map(surface, test::octahedron().vertices),
+      foreign(other, test::icosahedron().vertices);
   EXPECT_THROW(differenceOf(surface, map, foreign), ParameterError);
   EXPECT_THROW(differenceOf(surface, foreign, map), ParameterError);
 }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/map_measures.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/map_measures.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,8 @@ constexpr double pi = 3.14159265358979323846;
 
 TEST(MapMeasures, IdentityOfARegularSolid) {
   for (const Mesh& mesh : {tetrahedron(), octahedron(), icosahedron()}) {
-    const MapMeasures measures = measureMap(ClosedSurface(mesh.vertices, mesh.faces), mesh.vertices);
+    const MapMeasures measures =
+        measureMap(ClosedSurface(mesh.vertices, mesh.faces), mesh.vertices);
     EXPECT_TRUE(measures.certificate.valid());
     EXPECT_NEAR(measures.areaRatioSd, 0, 1e-14);
     EXPECT_NEAR(measures.areaLogMean, 0, 1e-14);
@@ -23,11 +25,13 @@ TEST(MapMeasures, IdentityOfARegularSolid) {
 }
 
 TEST(MapMeasures, AreasByHand) {
-  // Half lunes of 60 and 120 degrees: their solid angle is their longitude. All faces of the octahedron are an eighth.
+  // Half lunes of 60 and 120 degrees: their solid angle is their longitude. All faces of the
+  // octahedron are an eighth.
   const Mesh mesh = bipyramid(4);
   Points positions = mesh.vertices;
   const double longitudes[4] = {0, pi / 3, pi, pi + pi / 3};
-  for (int i = 0; i < 4; ++i) positions.row(2 + i) << std::cos(longitudes[i]), std::sin(longitudes[i]), 0;
+  for (int i = 0; i < 4; ++i)
+    positions.row(2 + i) << std::cos(longitudes[i]), std::sin(longitudes[i]), 0;
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   const Eigen::VectorXd ratios = areaRatios(surface, positions);
   for (int f = 0; f < 8; ++f) EXPECT_NEAR(ratios[f], f / 2 % 2 == 0 ? 2.0 / 3 : 4.0 / 3, 1e-14);
@@ -37,8 +41,8 @@ TEST(MapMeasures, AreasByHand) {
 }
 
 TEST(MapMeasures, AnglesByHand) {
-  // A stretched octahedron on the regular one: apex angle t with cos t = h^2 / (1 + h^2) in place of 60 degrees, and
-  // the two base angles off by half as much each.
+  // A stretched octahedron on the regular one: apex angle t with cos t = h^2 / (1 + h^2) in place
+  // of 60 degrees, and the two base angles off by half as much each.
   for (const double h : {0.2, 1.0, 3.0}) {
     Mesh mesh = octahedron();
     const Points positions = mesh.vertices;
@@ -50,8 +54,8 @@ TEST(MapMeasures, AnglesByHand) {
   }
 }
 
-/// An irregular octahedron and an irregular map of it; the figures below are those of an independent implementation
-/// (NumPy).
+/// An irregular octahedron and an irregular map of it; the figures below are those of an
+/// independent implementation (NumPy).
 Mesh irregular() {
   Mesh mesh = octahedron();
   mesh.vertices.row(0) *= 2;
@@ -97,12 +101,15 @@ TEST(MapMeasures, TinyFacesHaveNoRatio) {
 }
 
 TEST(MapMeasures, RatiosOfVerticesByHand) {
-  // The half lunes of above: a vertex of the equator has two faces on each side of it, a pole has all of its half.
+  // The half lunes of above: a vertex of the equator has two faces on each side of it, a pole has
+  // all of its half.
   const Mesh mesh = bipyramid(4);
   Points positions = mesh.vertices;
   const double longitudes[4] = {0, pi / 3, pi, pi + pi / 3};
-  for (int i = 0; i < 4; ++i) positions.row(2 + i) << std::cos(longitudes[i]), std::sin(longitudes[i]), 0;
-  EXPECT_TRUE(vertexAreaRatios(ClosedSurface(mesh.vertices, mesh.faces), positions).isApproxToConstant(1, 1e-14));
+  for (int i = 0; i < 4; ++i)
+    positions.row(2 + i) << std::cos(longitudes[i]), std::sin(longitudes[i]), 0;
+  EXPECT_TRUE(vertexAreaRatios(ClosedSurface(mesh.vertices, mesh.faces), positions)
+                  .isApproxToConstant(1, 1e-14));
 
   // Whatever the map: areas add up to those of the sphere, each face counted at its three corners.
   const Mesh other = irregular();
@@ -134,7 +141,8 @@ TEST(MapMeasures, AnInvalidMapIsMeasuredToo) {
 TEST(MapMeasures, ScaleAndPlaceDoNotMatter) {
   const Mesh mesh = irregular(), moved = transformed(mesh, randomRotation(3), 1e4, {5e4, 0, -2e4});
   const MapMeasures a = measureMap(ClosedSurface(mesh.vertices, mesh.faces), irregularMap());
-  const MapMeasures b = measureMap(ClosedSurface(moved.vertices, moved.faces), irregularMap() * randomRotation(8));
+  const MapMeasures b =
+      measureMap(ClosedSurface(moved.vertices, moved.faces), irregularMap() * randomRotation(8));
   EXPECT_NEAR(a.areaRatioSd, b.areaRatioSd, 1e-12);
   EXPECT_NEAR(a.areaLogMean, b.areaLogMean, 1e-12);
   EXPECT_NEAR(a.angleErrorMean, b.angleErrorMean, 1e-10);

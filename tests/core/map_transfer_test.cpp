@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/map_transfer.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/transfer/map_transfer.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,8 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/certificate.h"
 #include "vcg_ext/mesh/surface_locator.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
 namespace {
@@ -32,7 +33,8 @@ TEST(MapTransfer, ToARigidlyMovedCopyIsTheIdentity) {
   const ClosedSurface reference = surfaceOf(mesh);
   const SphereMap map(reference, test::icosphereMesh(8).vertices);
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const Mesh moved = test::transformed(mesh, test::randomRotation(seed), 1, Vector3(50, -20, seed));
+    const Mesh moved =
+        test::transformed(mesh, test::randomRotation(seed), 1, Vector3(50, -20, seed));
     const TransferredMap result = transferMap(reference, map, moved.vertices, surfaceOf(moved));
     EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-12);
     EXPECT_EQ(result.repairedFaces, 0);
@@ -40,12 +42,14 @@ TEST(MapTransfer, ToARigidlyMovedCopyIsTheIdentity) {
 }
 
 TEST(MapTransfer, TipsKeepTheirPosition) {
-  // The normal of an apex agrees with those of its faces by 0.05: other faces agree better, but they are far away.
+  // The normal of an apex agrees with those of its faces by 0.05: other faces agree better, but
+  // they are far away.
   Mesh mesh = test::bipyramid(8);
   const Points positions = mesh.vertices.rowwise().normalized();
   mesh.vertices.col(2) *= 20;
   const ClosedSurface surface = surfaceOf(mesh);
-  const TransferredMap result = transferMap(surface, SphereMap(surface, positions), mesh.vertices, surface);
+  const TransferredMap result =
+      transferMap(surface, SphereMap(surface, positions), mesh.vertices, surface);
   EXPECT_LT(largestDistance(result.map.positions(), positions), 1e-12);
   EXPECT_EQ(result.repairedFaces, 0);
 }
@@ -59,7 +63,9 @@ TEST(MapTransfer, ToFinerAndCoarserMeshesStaysCloseToTheTruth) {
     const ClosedSurface target = surfaceOf(test::ellipsoid(30, 20, 15, other));
     const TransferredMap result = transferMap(reference, map, reference.vertices(), target);
     EXPECT_TRUE(certify(target.faces(), result.map.positions()).valid());
-    EXPECT_LT(largestDistance(result.map.positions(), test::icosphereMesh(other).vertices), edge * edge) << other;
+    EXPECT_LT(largestDistance(result.map.positions(), test::icosphereMesh(other).vertices),
+              edge * edge)
+        << other;
     EXPECT_EQ(result.repairedFaces, 0) << other;
     EXPECT_EQ(static_cast<int>(result.distances.size()), target.vertexCount());
   }
@@ -77,7 +83,8 @@ TEST(MapTransfer, AFlippedPatchIsRepairedAndNothingElseMoves) {
   EXPECT_GT(result.repairedFaces, 0);
   EXPECT_TRUE(certify(target.faces(), result.map.positions()).valid());
   int moved = 0;
-  for (int u = 0; u < target.vertexCount(); ++u) moved += (result.map.position(u) - map.position(u)).norm() > 1e-12;
+  for (int u = 0; u < target.vertexCount(); ++u)
+    moved += (result.map.position(u) - map.position(u)).norm() > 1e-12;
   EXPECT_LT(moved, 60);
 }
 
@@ -86,7 +93,8 @@ TEST(MapTransfer, NormalsKeepTheSidesOfAThinSlabApart) {
   const Mesh mesh = test::ellipsoid(30, 30, 0.3, 8);
   const ClosedSurface reference = surfaceOf(mesh);
   const SphereMap map(reference, test::icosphereMesh(8).vertices);
-  const ClosedSurface target = surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), 1, Vector3(0, 0, 0.5)));
+  const ClosedSurface target =
+      surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), 1, Vector3(0, 0, 0.5)));
   const TransferredMap result = transferMap(reference, map, mesh.vertices, target);
 
   const SurfaceLocator locator(mesh.vertices, mesh.faces);
@@ -107,7 +115,8 @@ TEST(MapTransfer, DistancesAreThoseOfTheVertices) {
   const ClosedSurface reference = surfaceOf(test::ellipsoid(10, 10, 10, 4)),
                       target = surfaceOf(test::ellipsoid(11, 11, 11, 4));
   const TransferredMap result =
-      transferMap(reference, SphereMap(reference, test::icosphereMesh(4).vertices), reference.vertices(), target);
+      transferMap(reference, SphereMap(reference, test::icosphereMesh(4).vertices),
+                  reference.vertices(), target);
   ASSERT_EQ(static_cast<int>(result.distances.size()), target.vertexCount());
   for (double distance : result.distances) EXPECT_NEAR(distance, 1, 1e-12);
   EXPECT_NEAR(result.residual.mean, 1, 1e-12);
@@ -117,20 +126,22 @@ TEST(MapTransfer, DistancesAreThoseOfTheVertices) {
 TEST(MapTransfer, TurnsWithTheReferencesMap) {
   const Mesh mesh = test::noisyEllipsoid(3);
   const ClosedSurface reference = surfaceOf(mesh);
-  const ClosedSurface target = surfaceOf(
-      test::transformed(test::noisyEllipsoid(4), test::randomRotation(1003) * test::randomRotation(1004).transpose(), 1,
-                        Vector3::Zero()));
+  const ClosedSurface target = surfaceOf(test::transformed(
+      test::noisyEllipsoid(4), test::randomRotation(1003) * test::randomRotation(1004).transpose(),
+      1, Vector3::Zero()));
   const Points positions = test::icosphereMesh(8).vertices;
   const Eigen::Matrix3d rotation = test::randomRotation(5);
-  const TransferredMap a = transferMap(reference, SphereMap(reference, positions), mesh.vertices, target);
-  const TransferredMap b =
-      transferMap(reference, SphereMap(reference, positions * rotation.transpose()), mesh.vertices, target);
+  const TransferredMap a =
+      transferMap(reference, SphereMap(reference, positions), mesh.vertices, target);
+  const TransferredMap b = transferMap(
+      reference, SphereMap(reference, positions * rotation.transpose()), mesh.vertices, target);
   EXPECT_EQ(a.repairedFaces, b.repairedFaces);
   EXPECT_LT(largestDistance(b.map.positions(), a.map.positions() * rotation.transpose()), 1e-9);
 }
 
 TEST(MapTransfer, RefusesWhatIsNotTheReferences) {
-  const ClosedSurface reference = surfaceOf(test::icosahedron(), "phase 7"), other = surfaceOf(test::octahedron());
+  const ClosedSurface reference = surfaceOf(test::icosahedron(), "phase 7"),
+                      other = surfaceOf(test::octahedron());
   const SphereMap map(reference, reference.vertices()), otherMap(other, other.vertices());
   EXPECT_THROW(transferMap(reference, otherMap, reference.vertices(), other), ParameterError);
   EXPECT_THROW(transferMap(reference, map, other.vertices(), other), ParameterError);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/marching_cubes.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ constexpr double pi = 3.14159265358979323846;
 /// radius - |x - centre|, on a grid that holds the sphere with room to spare.
 ScalarGrid sphereGrid(double radius, double h, const Vector3& centre) {
   const int n = static_cast<int>(2 * radius / h) + 6;
-  ScalarGrid grid({n, n + 1, n + 2}, centre - Vector3::Constant(std::floor(n / 2.0) * h), {h, h, h});
+  ScalarGrid grid({n, n + 1, n + 2}, centre - Vector3::Constant(std::floor(n / 2.0) * h),
+                  {h, h, h});
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j)
       for (int i = 0; i < grid.size[0]; ++i) {
@@ -34,19 +36,23 @@ ScalarGrid sphereGrid(double radius, double h, const Vector3& centre) {
   return grid;
 }
 
-/// Every edge with two faces that run along it in opposite directions, every vertex with one fan, none unused or twice.
+/// Every edge with two faces that run along it in opposite directions, every vertex with one fan,
+/// none unused or twice.
 ::testing::AssertionResult closedManifold(const IsoSurface& surface) {
   std::map<std::pair<int, int>, int> halfEdges;
   std::map<int, std::map<int, int>> fans;  // per vertex: from each neighbour to the next
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
-      const int a = surface.faces(f, k), b = surface.faces(f, (k + 1) % 3), c = surface.faces(f, (k + 2) % 3);
-      if (++halfEdges[{a, b}] > 1) return ::testing::AssertionFailure() << "edge " << a << " " << b << " comes twice";
+      const int a = surface.faces(f, k), b = surface.faces(f, (k + 1) % 3),
+                c = surface.faces(f, (k + 2) % 3);
+      if (++halfEdges[{a, b}] > 1)
+        return ::testing::AssertionFailure() << "edge " << a << " " << b << " comes twice";
       fans[a][b] = c;
     }
   for (const auto& [edge, count] : halfEdges)
     if (halfEdges.count({edge.second, edge.first}) != 1)
-      return ::testing::AssertionFailure() << "edge " << edge.first << " " << edge.second << " is open";
+      return ::testing::AssertionFailure()
+             << "edge " << edge.first << " " << edge.second << " is open";
   if (static_cast<Eigen::Index>(fans.size()) != surface.vertices.rows())
     return ::testing::AssertionFailure() << "there are unused vertices";
   for (const auto& [vertex, next] : fans) {
@@ -56,16 +62,20 @@ ScalarGrid sphereGrid(double radius, double h, const Vector3& centre) {
       w = next.at(w);
       ++steps;
     } while (w != next.begin()->first);
-    if (steps != next.size()) return ::testing::AssertionFailure() << "vertex " << vertex << " has several fans";
+    if (steps != next.size())
+      return ::testing::AssertionFailure() << "vertex " << vertex << " has several fans";
   }
   std::set<std::tuple<double, double, double>> places;
   for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
-    if (!places.insert({surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2)}).second)
+    if (!places.insert({surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2)})
+             .second)
       return ::testing::AssertionFailure() << "vertex " << v << " lies where another one does";
   return ::testing::AssertionSuccess();
 }
 
-long eulerCharacteristic(const IsoSurface& surface) { return surface.vertices.rows() - surface.faces.rows() / 2; }
+long eulerCharacteristic(const IsoSurface& surface) {
+  return surface.vertices.rows() - surface.faces.rows() / 2;
+}
 
 TEST(MarchingCubes, OfOneVoxelIsAnOctahedron) {
   ScalarGrid grid({3, 3, 3}, {10, 20, 30}, {1, 2, 4});
@@ -74,8 +84,10 @@ TEST(MarchingCubes, OfOneVoxelIsAnOctahedron) {
   EXPECT_EQ(surface.vertices.rows(), 6);
   EXPECT_EQ(surface.faces.rows(), 8);
   EXPECT_TRUE(closedManifold(surface));
-  EXPECT_NEAR(enclosedVolume(surface.vertices, surface.faces), 4.0 / 3 * 0.5 * 1 * 2, 1e-12);  // half axes 0.5, 1, 2
-  EXPECT_NEAR((surface.vertices.colwise().mean() - Eigen::RowVector3d(11, 22, 34)).norm(), 0, 1e-12);
+  EXPECT_NEAR(enclosedVolume(surface.vertices, surface.faces), 4.0 / 3 * 0.5 * 1 * 2,
+              1e-12);  // half axes 0.5, 1, 2
+  EXPECT_NEAR((surface.vertices.colwise().mean() - Eigen::RowVector3d(11, 22, 34)).norm(), 0,
+              1e-12);
 }
 
 TEST(MarchingCubes, OfASphereConvergesInVolumeAndArea) {
@@ -85,8 +97,10 @@ TEST(MarchingCubes, OfASphereConvergesInVolumeAndArea) {
   for (const double h : {2.0, 1.0, 0.5}) {
     const IsoSurface surface = marchingCubes(sphereGrid(radius, h, centre), 0);
     const ClosedSurface closed(surface.vertices, surface.faces);
-    const double volume = enclosedVolume(surface.vertices, surface.faces) / (4 * pi / 3 * std::pow(radius, 3));
-    const double area = faceAreas(surface.vertices, surface.faces).sum() / (4 * pi * radius * radius);
+    const double volume =
+        enclosedVolume(surface.vertices, surface.faces) / (4 * pi / 3 * std::pow(radius, 3));
+    const double area =
+        faceAreas(surface.vertices, surface.faces).sum() / (4 * pi * radius * radius);
     EXPECT_LT(volume, 1);
     EXPECT_NEAR(volume, 1, 0.01 * h * h);
     EXPECT_NEAR(area, 1, 0.01 * h * h);
@@ -94,7 +108,9 @@ TEST(MarchingCubes, OfASphereConvergesInVolumeAndArea) {
       EXPECT_LT(1 - volume, 0.35 * before);  // second order: a quarter
     }
     before = 1 - volume;
-    EXPECT_LT(((surface.vertices.rowwise() - centre.transpose()).rowwise().norm().array() - radius).abs().maxCoeff(),
+    EXPECT_LT(((surface.vertices.rowwise() - centre.transpose()).rowwise().norm().array() - radius)
+                  .abs()
+                  .maxCoeff(),
               0.02 * h * h);
   }
 }
@@ -117,21 +133,24 @@ TEST(MarchingCubes, HasOneVertexPerCutGridEdge) {
 }
 
 TEST(MarchingCubes, OfEveryCellIsClosed) {
-  // All 256 patterns of one cell, with values that are ties at every ambiguous face and with values that are not.
+  // All 256 patterns of one cell, with values that are ties at every ambiguous face and with values
+  // that are not.
   test::Random random(1);
   for (int pattern = 0; pattern < 256; ++pattern)
     for (int repeat = 0; repeat < 20; ++repeat) {
       ScalarGrid grid({2, 2, 2}, Vector3::Zero(), Vector3::Ones());
       for (int c = 0; c < 8; ++c) {
         const double size = repeat == 0 ? 1 : random.uniform(0.1, 1);
-        grid.values[static_cast<size_t>(c)] = static_cast<float>((pattern >> c & 1) != 0 ? size : -size);
+        grid.values[static_cast<size_t>(c)] =
+            static_cast<float>((pattern >> c & 1) != 0 ? size : -size);
       }
       ASSERT_TRUE(closedManifold(marchingCubes(grid, 0))) << "pattern " << pattern;
     }
 }
 
 TEST(MarchingCubes, StaysClosedWithNoiseTiesAndExactHits) {
-  // Coin tosses are ambiguous nearly everywhere; few levels make ties and values that equal the iso value.
+  // Coin tosses are ambiguous nearly everywhere; few levels make ties and values that equal the iso
+  // value.
   for (unsigned seed = 0; seed < 30; ++seed) {
     test::Random random(seed);
     ScalarGrid grid({9, 10, 11}, Vector3::Zero(), Vector3::Ones());
@@ -152,8 +171,9 @@ TEST(MarchingCubes, StaysClosedWithNoiseTiesAndExactHits) {
 TEST(MarchingCubes, KeepsDiagonalVoxelsApartAndDecidesByTheInterpolant) {
   ScalarGrid grid({4, 4, 3}, Vector3::Zero(), Vector3::Ones());
   grid(1, 1, 1) = grid(2, 2, 1) = 1;
-  EXPECT_EQ(eulerCharacteristic(marchingCubes(grid, 0.5)), 4);  // two spheres: at the tie they do not touch
-  grid(1, 2, 1) = grid(2, 1, 1) = 0.4F;                         // the saddle is now above 0.5
+  EXPECT_EQ(eulerCharacteristic(marchingCubes(grid, 0.5)),
+            4);                          // two spheres: at the tie they do not touch
+  grid(1, 2, 1) = grid(2, 1, 1) = 0.4F;  // the saddle is now above 0.5
   EXPECT_EQ(eulerCharacteristic(marchingCubes(grid, 0.5)), 2);  // one
 }
 
@@ -207,8 +227,9 @@ TEST(LargestPart, IsTheOneWithTheMostVertices) {
 TEST(GaussianSmoothing, IsScipys) {
   // import numpy, scipy.ndimage
   // a = (numpy.arange(60) ** 2 % 17).reshape(5, 4, 3).astype(float)  # z, y, x
-  // b = scipy.ndimage.gaussian_filter(a, 0.7); print(b[0, 0, 0], b[2, 1, 1], b[4, 3, 2], b[3, 0, 2])
-  // b = scipy.ndimage.gaussian_filter(a, 2.0); print(b[0, 0, 0], b[2, 1, 1])  # the kernel is wider than the grid
+  // b = scipy.ndimage.gaussian_filter(a, 0.7); print(b[0, 0, 0], b[2, 1, 1], b[4, 3, 2], b[3, 0,
+  // 2]) b = scipy.ndimage.gaussian_filter(a, 2.0); print(b[0, 0, 0], b[2, 1, 1])  # the kernel is
+  // wider than the grid
   ScalarGrid grid({3, 4, 5}, Vector3::Zero(), Vector3::Ones());
   for (size_t i = 0; i < 60; ++i) grid.values[i] = static_cast<float>(i * i % 17);
   ScalarGrid narrow = grid, wide = grid;
@@ -226,7 +247,8 @@ TEST(GaussianSmoothing, KeepsConstantsAndSumsAndDoesNothingAtZero) {
   ScalarGrid grid({6, 7, 8}, Vector3::Zero(), Vector3::Ones());
   test::Random random(2);
   double sum = 0, smoothed = 0;
-  for (float& x : grid.values) x = static_cast<float>(random.uniform()), sum += static_cast<double>(x);
+  for (float& x : grid.values)
+    x = static_cast<float>(random.uniform()), sum += static_cast<double>(x);
   ScalarGrid same = grid;
   smoothGaussian(same, 0);
   EXPECT_EQ(same.values, grid.values);

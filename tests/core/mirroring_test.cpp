@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/mirroring.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sequence/mirroring.h"
 
 #include <gtest/gtest.h>
 
@@ -15,10 +16,11 @@ namespace {
 
 ThreadPool pool(2);
 
-/// A shape without any plane of symmetry, which shrinks a little from phase to phase, each in a mesh of its own.
+/// A shape without any plane of symmetry, which shrinks a little from phase to phase, each in a
+/// mesh of its own.
 ClosedSurface phaseOf(int phase, bool mirrored = false) {
-  test::Mesh mesh =
-      test::transformed(test::icosphereMesh(9 + phase % 2), test::randomRotation(20 + phase), 1, Vector3::Zero());
+  test::Mesh mesh = test::transformed(test::icosphereMesh(9 + phase % 2),
+                                      test::randomRotation(20 + phase), 1, Vector3::Zero());
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     const Vector3 d = mesh.vertices.row(v).transpose();
     mesh.vertices.row(v) *= 1 + 0.5 * std::exp(-4 * (d - Vector3(0.6, 0.64, 0.48)).squaredNorm()) +
@@ -31,13 +33,15 @@ ClosedSurface phaseOf(int phase, bool mirrored = false) {
 /// 'r' and 'l' for each layer.
 std::vector<ClosedSurface> sides(const std::string& text) {
   std::vector<ClosedSurface> surfaces;
-  for (size_t i = 0; i < text.size(); ++i) surfaces.push_back(phaseOf(static_cast<int>(i), text[i] == 'l'));
+  for (size_t i = 0; i < text.size(); ++i)
+    surfaces.push_back(phaseOf(static_cast<int>(i), text[i] == 'l'));
   return surfaces;
 }
 
 std::string found(const std::string& text, const PropagationTree& tree) {
   std::string answer;
-  for (const std::optional<double>& plane : findMirrorPlanes(sides(text), tree, pool)) answer += plane ? 'm' : '-';
+  for (const std::optional<double>& plane : findMirrorPlanes(sides(text), tree, pool))
+    answer += plane ? 'm' : '-';
   return answer;
 }
 
@@ -45,8 +49,8 @@ TEST(Mirroring, TheImageIsOutwardAndTwiceIsNothing) {
   const ClosedSurface surface = phaseOf(0), image = mirrorImage(surface, 3);
   EXPECT_EQ(image.vertices().col(0), (6 - surface.vertices().col(0).array()).matrix());
   EXPECT_EQ(image.vertices().rightCols(2), surface.vertices().rightCols(2));
-  EXPECT_NEAR(enclosedVolume(image.vertices(), image.faces()), enclosedVolume(surface.vertices(), surface.faces()),
-              1e-8);
+  EXPECT_NEAR(enclosedVolume(image.vertices(), image.faces()),
+              enclosedVolume(surface.vertices(), surface.faces()), 1e-8);
   const ClosedSurface again = mirrorImage(image, 3);
   EXPECT_LT((again.vertices() - surface.vertices()).cwiseAbs().maxCoeff(), 1e-13);
   EXPECT_EQ(again.faces(), surface.faces());

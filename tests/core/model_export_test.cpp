@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // What the files mean is tested from Python, by readers of other people; here the writing itself.
 
 #include "vcg_ext/model/model_export.h"
@@ -25,18 +26,23 @@ class ModelExport : public testing::Test {
  protected:
   void SetUp() override {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / (std::string("model_export_") + info->name() + std::to_string(::getpid()));
+    folder_ = fs::temp_directory_path() /
+              (std::string("model_export_") + info->name() + std::to_string(::getpid()));
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::vector<std::string> write(const std::string& name) const { return exportModel(path(name), model_, set_); }
+  std::vector<std::string> write(const std::string& name) const {
+    return exportModel(path(name), model_, set_);
+  }
   static std::string read(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  size_t files() const { return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+  size_t files() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
 
   std::string refusal(const std::string& name) const {
     try {
@@ -115,7 +121,9 @@ TEST_F(ModelExport, DoesNotDependOnTheLocale) {
     std::string do_grouping() const override { return "\3"; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  EXPECT_EQ(particlesFile(model_.mean) + statismoJson(model_) + plyFile(model_) + scoresTable(model_), expected);
+  EXPECT_EQ(
+      particlesFile(model_.mean) + statismoJson(model_) + plyFile(model_) + scoresTable(model_),
+      expected);
   std::locale::global(before);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/model_measures.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,8 @@ double distance(const Points& a, const Points& b) { return (a - b).norm() / root
 double density(double x) { return std::exp(-x * x / 2) / std::sqrt(2 * pi); }
 double below(double x) { return std::erfc(-x / std::sqrt(2.0)) / 2; }
 
-/// E min(|s g - a|, |s g + a|) for a standard normal g: the mean distance of samples from the nearer of two points.
+/// E min(|s g - a|, |s g + a|) for a standard normal g: the mean distance of samples from the
+/// nearer of two points.
 double distanceToTwo(double s, double a) {
   const double c = a / s;  // s E | |g| - c |, E | |g| - c | = E|g| - c + 2 E max(c - |g|, 0)
   const double under = 2 * (c * (below(c) - 0.5) - (density(0) - density(c)));
@@ -48,7 +50,8 @@ TEST(ModelMeasures, AllVarianceInOneMode) {
 }
 
 TEST(ModelMeasures, TwoShapes) {
-  // At -a and a: the variance is 2 a^2; without one of them no mode is left, and the other is all there is.
+  // At -a and a: the variance is 2 a^2; without one of them no mode is left, and the other is all
+  // there is.
   const double a = 5;
   const ShapeModel model = modelOf(onALine({-a, a}));
   ModelMeasureParameters parameters;
@@ -62,7 +65,8 @@ TEST(ModelMeasures, TwoShapes) {
 }
 
 TEST(ModelMeasures, TwoClusters) {
-  // n shapes at each of -a and a: variance 2 n a^2 / (2 n - 1), and whichever is left out, the others span the line.
+  // n shapes at each of -a and a: variance 2 n a^2 / (2 n - 1), and whichever is left out, the
+  // others span the line.
   const double a = 3;
   const int n = 4;
   const ShapeModel model = modelOf(onALine({-a, -a, -a, -a, a, a, a, a}));
@@ -73,12 +77,14 @@ TEST(ModelMeasures, TwoClusters) {
   const double variance = 2.0 * n * a * a / (2 * n - 1);
   EXPECT_NEAR(measures.compactness[0], variance, 1e-9);
   EXPECT_NEAR(measures.generalisation[0], 0, 1e-10);
-  EXPECT_NEAR(measures.specificity[0], distanceToTwo(std::sqrt(variance), a) / root, 4 * measures.specificityError[0]);
+  EXPECT_NEAR(measures.specificity[0], distanceToTwo(std::sqrt(variance), a) / root,
+              4 * measures.specificityError[0]);
 }
 
 TEST(ModelMeasures, OrthogonalCorners) {
-  // x_k = mean + a e_k with orthonormal e_k: whatever is left out is orthogonal to the others' modes, so no number of
-  // modes helps: G = a sqrt(1 + 1 / (K - 1)), the distance to the centre of the others.
+  // x_k = mean + a e_k with orthonormal e_k: whatever is left out is orthogonal to the others'
+  // modes, so no number of modes helps: G = a sqrt(1 + 1 / (K - 1)), the distance to the centre of
+  // the others.
   const Points mean = test::ellipsoids(1, 3).front();
   std::vector<Points> shapes;
   for (int k = 0; k < 5; ++k) {
@@ -89,7 +95,8 @@ TEST(ModelMeasures, OrthogonalCorners) {
   const ShapeModel model = modelOf(shapes);
   ASSERT_EQ(model.modeCount(), 4);
   const ModelMeasures measures = measureModel(model, 4);
-  for (int m = 0; m < 4; ++m) EXPECT_NEAR(measures.generalisation[m], 7 * std::sqrt(1.25) / root, 1e-10);
+  for (int m = 0; m < 4; ++m)
+    EXPECT_NEAR(measures.generalisation[m], 7 * std::sqrt(1.25) / root, 1e-10);
   EXPECT_NEAR(measures.generalisationError.maxCoeff(), 0, 1e-10);
   for (int m = 0; m < 4; ++m) EXPECT_NEAR(measures.compactness[m], (m + 1) * 49.0 / 4, 1e-9);
 }
@@ -97,8 +104,9 @@ TEST(ModelMeasures, OrthogonalCorners) {
 TEST(ModelMeasures, IdenticalShapes) {
   const ShapeModel model = modelOf(onALine({1, 1, 1}));
   const ModelMeasures measures = measureModel(model, model.modeCount());
-  for (const VectorXd* figure : {&measures.compactness, &measures.generalisation, &measures.specificity,
-                                 &measures.generalisationError, &measures.specificityError})
+  for (const VectorXd* figure :
+       {&measures.compactness, &measures.generalisation, &measures.specificity,
+        &measures.generalisationError, &measures.specificityError})
     EXPECT_EQ(figure->size(), 0);
 }
 
@@ -113,7 +121,8 @@ TEST(ModelMeasures, GeneralisationByItsDefinition) {
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
       const ShapeModel rest = modelOf(others).truncated(m);
       const Points away = shapes[left] - rest.mean;
-      const VectorXd b = rest.modes.transpose() * Eigen::Map<const VectorXd>(away.data(), away.size());
+      const VectorXd b =
+          rest.modes.transpose() * Eigen::Map<const VectorXd>(away.data(), away.size());
       distances[static_cast<Eigen::Index>(left)] = distance(rest.shape(b), shapes[left]);
     }
     EXPECT_NEAR(measures.generalisation[m - 1], distances.mean(), 1e-10);
@@ -124,8 +133,8 @@ TEST(ModelMeasures, GeneralisationByItsDefinition) {
 }
 
 TEST(ModelMeasures, SpecificityCountsWhatTheModesLeaveOut) {
-  // With the first mode alone, samples lie on a line, while the shapes lie off it too: the mean distance is at least
-  // the smallest distance of a shape from the line.
+  // With the first mode alone, samples lie on a line, while the shapes lie off it too: the mean
+  // distance is at least the smallest distance of a shape from the line.
   const ShapeModel model = modelOf(test::ellipsoids(5, 5, 3.0));
   const ModelMeasures measures = measureModel(model, 1);
   const double offTheLine = model.scores.rightCols(3).rowwise().norm().minCoeff() / root;
@@ -148,7 +157,8 @@ TEST(ModelMeasures, SeedsDecideTheSamples) {
   parameters.seed = 1;
   const ModelMeasures other = measureModel(model, 5, parameters);
   EXPECT_NE(other.specificity, first);
-  EXPECT_LT((other.specificity - first).cwiseQuotient(other.specificityError).cwiseAbs().maxCoeff(), 5);
+  EXPECT_LT((other.specificity - first).cwiseQuotient(other.specificityError).cwiseAbs().maxCoeff(),
+            5);
 }
 
 TEST(ModelMeasures, RefusesWhatMakesNoSense) {

@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/motion_cycle.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_cycle.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,8 @@ struct Beat {
   ClosedCycle cycle = closedCycle(tree, closingArc(layers, 0));
   Beat() {
     for (int i = 0; i < layers; ++i) {
-      test::Mesh mesh =
-          test::transformed(test::icosphereMesh(7 + i % 2), test::randomRotation(40 + i), 1, Vector3::Zero());
+      test::Mesh mesh = test::transformed(test::icosphereMesh(7 + i % 2),
+                                          test::randomRotation(40 + i), 1, Vector3::Zero());
       if (i == 0) rootMap = mesh.vertices;
       const double size = 1 - 0.3 * std::sin(3.14159265358979323846 * i / layers);
       mesh.vertices *= (size * Vector3(40, 28, 20)).asDiagonal();
@@ -31,7 +32,8 @@ struct Beat {
 
 std::vector<Eigen::VectorXd> translations(double byLayer) {
   std::vector<Eigen::VectorXd> coefficients(layers, Eigen::VectorXd::Zero(MotionModel::columns));
-  for (int i = 0; i < layers; ++i) coefficients[static_cast<size_t>(i)][MotionModel::localColumns] = byLayer * i;
+  for (int i = 0; i < layers; ++i)
+    coefficients[static_cast<size_t>(i)][MotionModel::localColumns] = byLayer * i;
   return coefficients;
 }
 
@@ -59,7 +61,8 @@ TEST(MotionCycle, AveragesByTheStepsFromTheRoot) {
       averageOfBothWays(beat.model(), targets, beat.cycle, translations(1), translations(2));
   for (int step = 0; step < layers; ++step) {
     const double own = step <= 3 ? forwardShare(step, layers) : 1 - forwardShare(step, layers);
-    EXPECT_NEAR(average[static_cast<size_t>(step)][MotionModel::localColumns], step * (own + 2 * (1 - own)), 1e-12);
+    EXPECT_NEAR(average[static_cast<size_t>(step)][MotionModel::localColumns],
+                step * (own + 2 * (1 - own)), 1e-12);
   }
 }
 
@@ -72,7 +75,8 @@ TEST(MotionCycle, KeepsWhatTheTreeBringsWhereTheOtherWayIsLost) {
   around[2][MotionModel::localColumns] += 2.01 * targets[2].meanEdge;
   around[3][MotionModel::localColumns] += 1.99 * targets[3].meanEdge;
   around[4].setConstant(std::numeric_limits<double>::quiet_NaN());
-  const std::vector<Eigen::VectorXd> average = averageOfBothWays(beat.model(), targets, beat.cycle, brought, around);
+  const std::vector<Eigen::VectorXd> average =
+      averageOfBothWays(beat.model(), targets, beat.cycle, brought, around);
   EXPECT_EQ(average[2], brought[2]);
   EXPECT_NE(average[3], brought[3]);
   EXPECT_EQ(average[4], brought[4]);
@@ -95,10 +99,12 @@ TEST(MotionCycle, TheOtherWayRoundLeadsToEveryLayer) {
     EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
     EXPECT_NE(around[t], fit.coefficients[t]);
   }
-  // The arcs are those of the cycle: one step beyond where the branches meet, from what they bring there.
+  // The arcs are those of the cycle: one step beyond where the branches meet, from what they bring
+  // there.
   const auto beyond = [&](size_t from, size_t to) {
     return fitArcAgain(model, targets[to], fit.coefficients[from], fixedMotionPrior(),
-                       fit.coefficients[to] - fit.coefficients[from], {fit.equations[to].matrix, fit.factors[to]});
+                       fit.coefficients[to] - fit.coefficients[from],
+                       {fit.equations[to].matrix, fit.factors[to]});
   };
   EXPECT_EQ(around[4], beyond(3, 4));
   EXPECT_EQ(around[3], beyond(4, 3));

@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/motion_fit.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +18,8 @@ struct Sequence {
   Points rootMap;
   Sequence(int layers, const Vector3& shift, double breathing) {
     for (int i = 0; i < layers; ++i) {
-      test::Mesh mesh =
-          test::transformed(test::icosphereMesh(7 + i % 2), test::randomRotation(40 + i), 1, Vector3::Zero());
+      test::Mesh mesh = test::transformed(test::icosphereMesh(7 + i % 2),
+                                          test::randomRotation(40 + i), 1, Vector3::Zero());
       if (i == 0) rootMap = mesh.vertices;
       const double size = 1 - breathing * std::sin(3.14159265358979323846 * i / layers);
       mesh.vertices *= (size * Vector3(40, 28, 20)).asDiagonal();
@@ -43,14 +44,15 @@ TEST(MotionFit, RecoversATranslation) {
 TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
   const Sequence sequence(6, Vector3(1, 0, 0), 0.3);
   const MotionModel model = sequence.model();
-  const MotionFit fit =
-      fitMotion(model, motionTargets(sequence.surfaces, pool), timeOrder(6, 0), fixedMotionPrior(), pool);
+  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), timeOrder(6, 0),
+                                  fixedMotionPrior(), pool);
   EXPECT_EQ(fit.lost, std::vector<char>(6, 0));
   for (int t = 1; t < 6; ++t) {
     const SurfaceLocator locator(sequence.surfaces[t].vertices(), sequence.surfaces[t].faces());
     const Points moved = model.movedNodes(fit.coefficients[t]);
     double sum = 0;
-    for (Eigen::Index i = 0; i < moved.rows(); ++i) sum += locator.closest(moved.row(i).transpose()).distance;
+    for (Eigen::Index i = 0; i < moved.rows(); ++i)
+      sum += locator.closest(moved.row(i).transpose()).distance;
     EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
   }
 }
@@ -65,17 +67,20 @@ TEST(MotionFit, SaysWhichLayersItLoses) {
   const MotionFit fit = fitMotion(model, targets, timeOrder(4, 0), fixedMotionPrior(), pool);
   EXPECT_EQ(fit.lost, (std::vector<char>{0, 0, 1, 0}));
   // What lies behind comes from the one before.
-  EXPECT_EQ(fit.coefficients[3], fitArc(model, targets[3], fit.coefficients[1], fixedMotionPrior()).coefficients);
+  EXPECT_EQ(fit.coefficients[3],
+            fitArc(model, targets[3], fit.coefficients[1], fixedMotionPrior()).coefficients);
 }
 
 TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
   const Sequence sequence(2, Vector3(0, 0, 0), 0.2);
   const MotionModel model = sequence.model();
   const MotionPrior prior = fixedMotionPrior();
-  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
+  const MotionFit fit =
+      fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
   const ArcEquations& e = fit.equations[1];
   EXPECT_LT((e.matrix - e.matrix.transpose()).norm(), 1e-9 * e.matrix.norm());
-  EXPECT_LT(((e.matrix + prior.precision) * fit.coefficients[1] - e.vector).norm(), 1e-8 * e.vector.norm());
+  EXPECT_LT(((e.matrix + prior.precision) * fit.coefficients[1] - e.vector).norm(),
+            1e-8 * e.vector.norm());
   EXPECT_EQ(fit.equations[0].vector.size(), 0);
 }
 
@@ -85,15 +90,16 @@ TEST(MotionFit, AnEarlierFitSavesAnIteration) {
   const std::vector<MotionTarget> targets = motionTargets(sequence.surfaces, pool);
   const MotionPrior prior = fixedMotionPrior();
   const MotionFit first = fitMotion(model, targets, timeOrder(3, 0), prior, pool);
-  const MotionFit again = refitMotion(model, targets, timeOrder(3, 0), prior, first.coefficients, pool);
+  const MotionFit again =
+      refitMotion(model, targets, timeOrder(3, 0), prior, first.coefficients, pool);
   for (size_t t = 1; t < 3; ++t) {
     const Eigen::VectorXd& before = first.coefficients[t - 1];
     const Eigen::VectorXd step = first.coefficients[t] - before;
     EXPECT_LT((again.coefficients[t] - first.coefficients[t]).norm(), 0.1 * step.norm());
     EXPECT_EQ(fitArc(model, targets[t], before, prior).coefficients, first.coefficients[t]);
     EXPECT_NE(again.coefficients[t], first.coefficients[t]);
-    const Eigen::VectorXd once =
-        fitArcAgain(model, targets[t], before, prior, step, {first.equations[t].matrix, first.factors[t]});
+    const Eigen::VectorXd once = fitArcAgain(model, targets[t], before, prior, step,
+                                             {first.equations[t].matrix, first.factors[t]});
     EXPECT_LT((once - first.coefficients[t]).norm(), 0.1 * step.norm());
   }
 }
@@ -101,7 +107,8 @@ TEST(MotionFit, AnEarlierFitSavesAnIteration) {
 TEST(MotionFit, KeepsTheFactorOfItsSystem) {
   const Sequence sequence(2, Vector3(1, 0, 0), 0.2);
   const MotionPrior prior = fixedMotionPrior();
-  const MotionFit fit = fitMotion(sequence.model(), motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
+  const MotionFit fit =
+      fitMotion(sequence.model(), motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
   const Eigen::MatrixXd system = fit.equations[1].matrix + prior.precision;
   EXPECT_LT((fit.factors[1].reconstructedMatrix() - system).norm(), 1e-12 * system.norm());
 }
@@ -116,7 +123,8 @@ TEST(MotionPrior, TheFixedOneIsDiagonal) {
 TEST(MotionPrior, LearnsThatASequenceTravels) {
   const Sequence staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
   const auto learnt = [](const Sequence& sequence) {
-    return learnMotionPrior(sequence.model(), motionTargets(sequence.surfaces, pool), cyclicTimeOrder(14, 0), pool);
+    return learnMotionPrior(sequence.model(), motionTargets(sequence.surfaces, pool),
+                            cyclicTimeOrder(14, 0), pool);
   };
   const LearntPrior still = learnt(staying), moved = learnt(travelling);
   EXPECT_GT(moved.variances.translation, 5 * still.variances.translation);

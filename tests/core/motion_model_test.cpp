@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/motion_model.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_model.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,9 @@ struct Ellipsoid {
         map(surface, sphere.vertices) {}
 };
 
-Eigen::VectorXd unitCoefficient(int column) { return Eigen::VectorXd::Unit(MotionModel::columns, column); }
+Eigen::VectorXd unitCoefficient(int column) {
+  return Eigen::VectorXd::Unit(MotionModel::columns, column);
+}
 
 Eigen::VectorXd someCoefficients(unsigned seed) {
   test::Random random(seed);
@@ -73,7 +76,8 @@ TEST(MotionModel, SinglePrecisionIsCloseEnough) {
   const Points nearly = model.movedNodes(c, MotionModel::Precision::Single) - model.nodes();
   EXPECT_LT((moved - nearly).norm(), 1e-6 * moved.norm());
   const Eigen::VectorXd sum = model.projectAll(moved);
-  EXPECT_LT((sum - model.projectAll(moved, MotionModel::Precision::Single)).norm(), 1e-6 * sum.norm());
+  EXPECT_LT((sum - model.projectAll(moved, MotionModel::Precision::Single)).norm(),
+            1e-6 * sum.norm());
   const Eigen::VectorXd scales = Eigen::VectorXd::LinSpaced(moved.rows(), 0, 1);
   const RowsF rows = model.projectEach(moved, scales);
   Eigen::VectorXd row(MotionModel::columns);
@@ -91,12 +95,14 @@ TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
   const double radius = std::sqrt(areas.sum() / (4 * 3.14159265358979323846));
   const Points arms = (model.nodes().rowwise() - centre) / radius;
   for (int k = 0; k < MotionModel::affineColumns; ++k) {
-    const Points moved = model.movedNodes(unitCoefficient(MotionModel::localColumns + k)) - model.nodes();
+    const Points moved =
+        model.movedNodes(unitCoefficient(MotionModel::localColumns + k)) - model.nodes();
     if (k < 3) {
       EXPECT_LT((moved.rowwise() - Eigen::RowVector3d::Unit(k)).cwiseAbs().maxCoeff(), 1e-12);
       continue;
     }
-    // moved = arms G^T with G of Frobenius norm 1: symmetric for strain, antisymmetric for rotation.
+    // moved = arms G^T with G of Frobenius norm 1: symmetric for strain, antisymmetric for
+    // rotation.
     const Eigen::Matrix3d g = arms.colPivHouseholderQr().solve(moved).transpose();
     EXPECT_LT((moved - arms * g.transpose()).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_NEAR(g.norm(), 1, 1e-10);
@@ -115,7 +121,9 @@ Eigen::MatrixXd localColumns(const MotionModel& model) {
   return factor;
 }
 
-double radiusOf(const MotionModel& model) { return std::sqrt(model.areas().sum() / (4 * 3.14159265358979323846)); }
+double radiusOf(const MotionModel& model) {
+  return std::sqrt(model.areas().sum() / (4 * 3.14159265358979323846));
+}
 
 TEST(MotionModel, LocalColumnsFactorTheKernel) {
   const Ellipsoid e;
@@ -133,8 +141,9 @@ TEST(MotionModel, LocalColumnsFactorTheKernel) {
           0.5 * (b * b.transpose() + (2 - b.squaredNorm()) * one) * std::exp(-b.squaredNorm() / 2);
       const Eigen::Matrix3d kernel = 0.45 * curlFree + 0.55 * divergenceFree;
       worst = std::max(
-          worst,
-          (kernel - factor.middleRows(3 * i, 3) * factor.middleRows(3 * j, 3).transpose()).cwiseAbs().maxCoeff());
+          worst, (kernel - factor.middleRows(3 * i, 3) * factor.middleRows(3 * j, 3).transpose())
+                     .cwiseAbs()
+                     .maxCoeff());
     }
   EXPECT_LT(worst, 0.1);
 }
@@ -150,7 +159,9 @@ TEST(MotionModel, LocalColumnsTurnWithTheSurface) {
   const Eigen::MatrixXd there = localColumns(MotionModel(turned, e.map));
   for (int i = 0; i < 1002; i += 100)
     for (int k = 0; k < MotionModel::localColumns; k += 3)
-      EXPECT_LT((rotation * here.block<3, 3>(3 * i, k) * rotation.transpose() - there.block<3, 3>(3 * i, k)).norm(),
+      EXPECT_LT((rotation * here.block<3, 3>(3 * i, k) * rotation.transpose() -
+                 there.block<3, 3>(3 * i, k))
+                    .norm(),
                 1e-9);
 }
 

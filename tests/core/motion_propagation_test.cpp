@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/motion_propagation.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_propagation.h"
 
 #include <gtest/gtest.h>
 
@@ -15,10 +16,11 @@ ThreadPool pool(2);
 struct Contraction {
   std::vector<ClosedSurface> surfaces;
   std::vector<Points> maps;
-  explicit Contraction(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(), double scale = 1) {
+  explicit Contraction(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
+                       double scale = 1) {
     for (int i = 0; i < layers; ++i) {
-      const test::Mesh sphere =
-          test::transformed(test::icosphereMesh(8 + i % 2), test::randomRotation(70 + i), 1, Vector3::Zero());
+      const test::Mesh sphere = test::transformed(test::icosphereMesh(8 + i % 2),
+                                                  test::randomRotation(70 + i), 1, Vector3::Zero());
       const double c = 0.25 * std::sin(3.14159265358979323846 * i / layers);
       test::Mesh mesh = sphere;
       mesh.vertices *= Vector3(40 * (1 - 0.5 * c), 28 * (1 - c), 20 * (1 - c)).asDiagonal();
@@ -35,10 +37,13 @@ struct Contraction {
 TEST(MotionPropagation, ToTheSameSurfaceIsTheIdentity) {
   const Contraction one(1);
   const std::vector<ClosedSurface> twice = {one.surfaces[0], one.surfaces[0]};
-  const FollowedMotion followed = followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0), pool);
+  const FollowedMotion followed =
+      followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0), pool);
   ASSERT_TRUE(followed.layers[1]);
   EXPECT_FALSE(followed.layers[0]);
-  EXPECT_LT((followed.layers[1]->transferred.map.positions() - one.maps[0]).rowwise().norm().maxCoeff(), 0.02);
+  EXPECT_LT(
+      (followed.layers[1]->transferred.map.positions() - one.maps[0]).rowwise().norm().maxCoeff(),
+      0.02);
 }
 
 TEST(MotionPropagation, FollowsAContraction) {
@@ -48,7 +53,8 @@ TEST(MotionPropagation, FollowsAContraction) {
   for (int t = 1; t < 12; ++t) {
     ASSERT_TRUE(followed.layers[t]) << t;
     const Points& found = followed.layers[t]->transferred.map.positions();
-    EXPECT_LT((found - sequence.maps[t]).rowwise().norm().mean(), 0.03) << t;  // about a degree and a half
+    EXPECT_LT((found - sequence.maps[t]).rowwise().norm().mean(), 0.03)
+        << t;  // about a degree and a half
   }
 }
 
@@ -62,11 +68,12 @@ TEST(MotionPropagation, TurnsWithTheSurfacesAndHasNoUnit) {
   const FollowedMotion here = Contraction(12).follow(tree);
   const FollowedMotion there = Contraction(12, test::randomRotation(5), 1000).follow(tree);
   for (int t = 1; t < 12; ++t)
-    EXPECT_LT((here.layers[t]->transferred.map.positions() - there.layers[t]->transferred.map.positions())
-                  .rowwise()
-                  .norm()
-                  .maxCoeff(),
-              1e-6);
+    EXPECT_LT(
+        (here.layers[t]->transferred.map.positions() - there.layers[t]->transferred.map.positions())
+            .rowwise()
+            .norm()
+            .maxCoeff(),
+        1e-6);
 }
 
 TEST(MotionPropagation, GivesUpLayersThatItLosesButNotThoseBehind) {
@@ -78,16 +85,20 @@ TEST(MotionPropagation, GivesUpLayersThatItLosesButNotThoseBehind) {
   EXPECT_TRUE(followed.layers[1]);
   EXPECT_FALSE(followed.layers[2]);
   ASSERT_TRUE(followed.layers[3]);
-  EXPECT_LT((followed.layers[3]->transferred.map.positions() - sequence.maps[3]).rowwise().norm().mean(), 0.03);
+  EXPECT_LT(
+      (followed.layers[3]->transferred.map.positions() - sequence.maps[3]).rowwise().norm().mean(),
+      0.03);
 }
 
 TEST(MotionPropagation, AveragesBothWaysRoundACycle) {
   const Contraction sequence(12);
   const PropagationTree tree = cyclicTimeOrder(12, 0);
-  const FollowedMotion open = sequence.follow(tree), closed = sequence.follow(tree, closingArc(12, 0));
+  const FollowedMotion open = sequence.follow(tree),
+                       closed = sequence.follow(tree, closingArc(12, 0));
   EXPECT_FALSE(open.closing);
   ASSERT_TRUE(closed.closing);
-  EXPECT_EQ(closed.closing->brought.positions(), open.layers[7]->transferred.map.positions());  // nothing averaged
+  EXPECT_EQ(closed.closing->brought.positions(),
+            open.layers[7]->transferred.map.positions());  // nothing averaged
   for (int t = 1; t < 12; ++t) {
     ASSERT_TRUE(closed.layers[t]) << t;
     const Points& found = closed.layers[t]->transferred.map.positions();
@@ -119,8 +130,10 @@ TEST(MotionPropagation, ACycleIsTheSameWithAnyNumberOfThreads) {
   const PropagationTree tree = cyclicTimeOrder(12, 0);
   ThreadPool one(1), several(3);
   const SphereMap rootMap(sequence.surfaces[0], sequence.maps[0]);
-  const FollowedMotion a = followMotion(sequence.surfaces, rootMap, tree, one, {}, closingArc(12, 0)),
-                       b = followMotion(sequence.surfaces, rootMap, tree, several, {}, closingArc(12, 0));
+  const FollowedMotion a = followMotion(sequence.surfaces, rootMap, tree, one, {},
+                                        closingArc(12, 0)),
+                       b = followMotion(sequence.surfaces, rootMap, tree, several, {},
+                                        closingArc(12, 0));
   for (int t = 1; t < 12; ++t)
     EXPECT_EQ(a.layers[t]->transferred.map.positions(), b.layers[t]->transferred.map.positions());
   EXPECT_EQ(a.closing->carried.positions(), b.closing->carried.positions());

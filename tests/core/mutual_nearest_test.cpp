@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/mutual_nearest.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/published/mutual_nearest.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,9 @@ namespace {
 int bruteNearest(const Points& points, const Vector3& x) {
   int best = 0;
   for (int i = 1; i < points.rows(); ++i)
-    if ((points.row(i).transpose() - x).squaredNorm() < (points.row(best).transpose() - x).squaredNorm()) best = i;
+    if ((points.row(i).transpose() - x).squaredNorm() <
+        (points.row(best).transpose() - x).squaredNorm())
+      best = i;
   return best;
 }
 
@@ -30,8 +33,10 @@ TEST(MutualNearest, AgreesWithBruteForceOnRandomClouds) {
   for (int round = 0; round < 5; ++round) {
     Points target(150, 3), reference(100 + 40 * round, 3);
     for (Points* points : {&target, &reference})
-      for (int i = 0; i < points->rows(); ++i) points->row(i) << random.normal(), random.normal(), random.normal();
-    const std::vector<VertexPair> pairs = mutualNearest(VertexLocator(target), VertexLocator(reference));
+      for (int i = 0; i < points->rows(); ++i)
+        points->row(i) << random.normal(), random.normal(), random.normal();
+    const std::vector<VertexPair> pairs =
+        mutualNearest(VertexLocator(target), VertexLocator(reference));
     EXPECT_EQ(pairs, brutePairs(target, reference));
     EXPECT_GT(pairs.size(), 20u);
     EXPECT_LT(pairs.size(), 150u);  // some are nearest one way only, or this would test little
@@ -43,7 +48,8 @@ TEST(MutualNearest, IsUniqueOnBothSidesWhereDistancesTie) {
   Points target(64, 3), reference(64, 3);
   for (int i = 0; i < 64; ++i) target.row(i) << i % 4, i / 4 % 4, i / 16;
   reference = target.array() + 0.5;
-  const std::vector<VertexPair> pairs = mutualNearest(VertexLocator(target), VertexLocator(reference));
+  const std::vector<VertexPair> pairs =
+      mutualNearest(VertexLocator(target), VertexLocator(reference));
   EXPECT_EQ(pairs, brutePairs(target, reference));
   ASSERT_FALSE(pairs.empty());
   std::set<int> left, right;
@@ -56,8 +62,10 @@ TEST(MutualNearest, IsUniqueOnBothSidesWhereDistancesTie) {
 TEST(MutualNearest, LeavesOutWhatIsNearestOneWayOnly) {
   Points target(2, 3), reference(2, 3);
   target << 0, 0, 0, 1, 0, 0;
-  reference << 1.1, 0, 0, 9, 0, 0;  // both targets are nearest to reference 0, which is nearest to target 1
-  EXPECT_EQ(mutualNearest(VertexLocator(target), VertexLocator(reference)), (std::vector<VertexPair>{{1, 0}}));
+  reference << 1.1, 0, 0, 9, 0,
+      0;  // both targets are nearest to reference 0, which is nearest to target 1
+  EXPECT_EQ(mutualNearest(VertexLocator(target), VertexLocator(reference)),
+            (std::vector<VertexPair>{{1, 0}}));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/nearby_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/repair/nearby_map.h"
 
 #include <gtest/gtest.h>
 
@@ -7,15 +8,16 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/root_map.h"
-#include "vcg_ext/map/untangling.h"
+#include "vcg_ext/root_map/root_map.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/repair/untangling.h"
 
 namespace sphere_propagation {
 namespace {
 
 TEST(NearbyMap, LeavesAValidMapAlone) {
-  for (const test::Mesh& mesh : {test::noisyEllipsoid(3), test::cup(0.2, 24, 12), test::box(5), test::tetrahedron()}) {
+  for (const test::Mesh& mesh :
+       {test::noisyEllipsoid(3), test::cup(0.2, 24, 12), test::box(5), test::tetrahedron()}) {
     const ClosedSurface surface = surfaceOf(mesh);
     const Points positions = makeRootMap(surface).map.positions();
     const Points found = nearbyMap(surface, positions).positions();
@@ -65,7 +67,9 @@ TEST(NearbyMap, IsWhatMendingEndsWith) {
   EXPECT_THROW(untangle(surface, positions), MapError);
   const Untangled mended = mend(surface, positions);
   EXPECT_EQ(mended.repairedFaces, surface.faceCount());
-  EXPECT_LT((mended.map.positions() - nearbyMap(surface, positions).positions()).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT(
+      (mended.map.positions() - nearbyMap(surface, positions).positions()).cwiseAbs().maxCoeff(),
+      1e-9);
 }
 
 TEST(NearbyMap, MendingIsLocalWhereThatDoes) {

@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/principal_axes.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/registration/principal_axes.h"
 
 #include <gtest/gtest.h>
 
@@ -11,13 +12,14 @@ namespace {
 
 using test::Mesh;
 
-/// The ellipsoid (30, 20, 10), turned and moved. The icosphere's vertices do not reach the ends of its axes, so its
-/// ranges are taken before it is turned.
+/// The ellipsoid (30, 20, 10), turned and moved. The icosphere's vertices do not reach the ends of
+/// its axes, so its ranges are taken before it is turned.
 struct TurnedEllipsoid {
   Eigen::Matrix3d rotation = test::randomRotation(7);
   Mesh straight = test::ellipsoid(30, 20, 10);
   Mesh turned = test::transformed(straight, rotation, 1, Vector3(5, -6, 7));
-  Vector3 ranges = (straight.vertices.colwise().maxCoeff() - straight.vertices.colwise().minCoeff()).transpose();
+  Vector3 ranges =
+      (straight.vertices.colwise().maxCoeff() - straight.vertices.colwise().minCoeff()).transpose();
 };
 
 TEST(PrincipalAxes, RecoverATurnedEllipsoid) {
@@ -25,9 +27,11 @@ TEST(PrincipalAxes, RecoverATurnedEllipsoid) {
   const PrincipalAxes found = principalAxes(e.turned.vertices);
   EXPECT_LT((found.centroid - Vector3(5, -6, 7)).norm(), 1e-10);
   EXPECT_LT((found.ranges - e.ranges).norm(), 1e-9);
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::abs(found.axes.col(k).dot(e.rotation.col(k))), 1, 1e-12) << "axis " << k;
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(std::abs(found.axes.col(k).dot(e.rotation.col(k))), 1, 1e-12) << "axis " << k;
   EXPECT_NEAR(found.axes.determinant(), 1, 1e-12);
-  const Vector3 variances = (e.straight.vertices.array().square().colwise().mean()).matrix().transpose();
+  const Vector3 variances =
+      (e.straight.vertices.array().square().colwise().mean()).matrix().transpose();
   EXPECT_LT((found.variances - variances).norm(), 1e-9 * variances.norm());
 }
 
@@ -45,11 +49,13 @@ TEST(PrincipalAxes, OfAFlatOrPointLikeCloud) {
 
 TEST(ScaledToExtents, ReachesTheReferencesRangesAlongItsOwnAxes) {
   const TurnedEllipsoid e;
-  const Mesh reference = test::transformed(test::ellipsoid(12, 50, 25), test::randomRotation(8), 1, Vector3(1, 2, 3));
+  const Mesh reference =
+      test::transformed(test::ellipsoid(12, 50, 25), test::randomRotation(8), 1, Vector3(1, 2, 3));
   const PrincipalAxes goal = principalAxes(reference.vertices);
   const Points scaled = scaledToExtents(e.turned.vertices, goal);
   EXPECT_LT((scaled.colwise().mean().transpose() - goal.centroid).norm(), 1e-10);
-  // Nothing was turned: each of its own axes now has the range of the reference's axis of the same rank.
+  // Nothing was turned: each of its own axes now has the range of the reference's axis of the same
+  // rank.
   const Points along = (scaled.rowwise() - goal.centroid.transpose()) * e.rotation;
   const Vector3 ranges = (along.colwise().maxCoeff() - along.colwise().minCoeff()).transpose();
   EXPECT_LT((ranges - goal.ranges).norm(), 1e-9);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/procrustes.h"
 
 #include <gtest/gtest.h>
@@ -29,8 +30,8 @@ std::vector<Points> scattered(std::vector<Points> shapes, bool rigid, unsigned s
   test::Random random(seed);
   for (size_t k = 0; k < shapes.size(); ++k) {
     const double scale = rigid ? 1 : random.uniform(0.5, 2);
-    shapes[k] =
-        test::moved(shapes[k], test::randomRotation(seed + static_cast<unsigned>(k)), scale, 100 * random.direction());
+    shapes[k] = test::moved(shapes[k], test::randomRotation(seed + static_cast<unsigned>(k)), scale,
+                            100 * random.direction());
   }
   return shapes;
 }
@@ -61,11 +62,15 @@ TEST(AlignShapes, EigenvaluesDoNotDependOnThePose) {
   for (const bool weights : {false, true}) {
     const auto parameters = with(Alignment::Rigid, weights);
     const Eigen::VectorXd expected =
-        buildShapeModel(alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), parameters).shapes).eigenvalues;
+        buildShapeModel(
+            alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), parameters).shapes)
+            .eigenvalues;
     ASSERT_EQ(expected.size(), 7);
     for (unsigned seed = 10; seed < 13; ++seed) {
       const auto found = buildShapeModel(
-          alignShapes(test::trainingSet(scattered(shapes, true, seed), test::ellipsoidFaces()), parameters).shapes);
+          alignShapes(test::trainingSet(scattered(shapes, true, seed), test::ellipsoidFaces()),
+                      parameters)
+              .shapes);
       EXPECT_LT((found.eigenvalues - expected).cwiseQuotient(expected).cwiseAbs().maxCoeff(), 1e-9);
     }
   }
@@ -75,12 +80,15 @@ TEST(AlignShapes, EigenvaluesDoNotDependOnTheSizesButForTheirAverage) {
   const auto shapes = test::ellipsoids(8, 4);
   for (const bool weights : {false, true}) {
     const auto parameters = with(Alignment::Similarity, weights);
-    const Aligned expected = alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), parameters);
-    const Eigen::VectorXd eigenvalues = buildShapeModel(expected.shapes).eigenvalues / std::pow(size(expected.mean), 2);
+    const Aligned expected =
+        alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), parameters);
+    const Eigen::VectorXd eigenvalues =
+        buildShapeModel(expected.shapes).eigenvalues / std::pow(size(expected.mean), 2);
     for (unsigned seed = 20; seed < 23; ++seed) {
-      const Aligned aligned =
-          alignShapes(test::trainingSet(scattered(shapes, false, seed), test::ellipsoidFaces()), parameters);
-      const Eigen::VectorXd found = buildShapeModel(aligned.shapes).eigenvalues / std::pow(size(aligned.mean), 2);
+      const Aligned aligned = alignShapes(
+          test::trainingSet(scattered(shapes, false, seed), test::ellipsoidFaces()), parameters);
+      const Eigen::VectorXd found =
+          buildShapeModel(aligned.shapes).eigenvalues / std::pow(size(aligned.mean), 2);
       EXPECT_LT((found - eigenvalues).cwiseQuotient(eigenvalues).cwiseAbs().maxCoeff(), 1e-9);
     }
   }
@@ -94,7 +102,8 @@ TEST(AlignShapes, KeepsTheFrameOfTheFirstShapeAndTheAverageSize) {
   // The first shape is only scaled about its centroid.
   const Points centred = shapes[0].rowwise() - shapes[0].colwise().mean();
   const double scale = size(first) / size(shapes[0]);
-  EXPECT_LT(largestDifference((scale * centred).rowwise() + shapes[0].colwise().mean(), first), 1e-10);
+  EXPECT_LT(largestDifference((scale * centred).rowwise() + shapes[0].colwise().mean(), first),
+            1e-10);
   double sizes = 0;
   for (const Points& shape : shapes) sizes += size(shape) / 5;
   EXPECT_NEAR(size(aligned.mean), sizes, 1e-10);
@@ -106,7 +115,8 @@ TEST(AlignShapes, KeepsTheFrameOfTheFirstShapeAndTheAverageSize) {
 
 TEST(AlignShapes, RigidKeepsSizes) {
   const auto shapes = scattered(test::ellipsoids(4, 7), true, 8);
-  const Aligned aligned = alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), with(Alignment::Rigid));
+  const Aligned aligned =
+      alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), with(Alignment::Rigid));
   for (size_t k = 0; k < shapes.size(); ++k)
     EXPECT_NEAR(size(aligned.shapes.shapes()[k].landmarks), size(shapes[k]), 1e-10);
   EXPECT_LT(largestDifference(aligned.shapes.shapes()[0].landmarks, shapes[0]), 1e-10);
@@ -114,8 +124,10 @@ TEST(AlignShapes, RigidKeepsSizes) {
 
 TEST(AlignShapes, NoneChangesNothing) {
   const auto shapes = scattered(test::ellipsoids(3, 9), false, 10);
-  const Aligned aligned = alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), with(Alignment::None));
-  for (size_t k = 0; k < shapes.size(); ++k) EXPECT_EQ(aligned.shapes.shapes()[k].landmarks, shapes[k]);
+  const Aligned aligned =
+      alignShapes(test::trainingSet(shapes, test::ellipsoidFaces()), with(Alignment::None));
+  for (size_t k = 0; k < shapes.size(); ++k)
+    EXPECT_EQ(aligned.shapes.shapes()[k].landmarks, shapes[k]);
   EXPECT_LT(largestDifference(aligned.mean, (shapes[0] + shapes[1] + shapes[2]) / 3), 1e-12);
 }
 
@@ -130,7 +142,8 @@ TEST(AlignShapes, IsAMinimum) {
   for (int i = 0; i < 40; ++i) {
     std::vector<Points> other = found;
     Points& changed = other[static_cast<size_t>(random.index(5))];
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(random.uniform(0.003, 0.1), random.direction()).toRotationMatrix();
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(random.uniform(0.003, 0.1), random.direction()).toRotationMatrix();
     changed = test::moved(changed, turn, 1 + random.uniform(-0.02, 0.02), 0.1 * random.direction());
     EXPECT_GT(objective(other), least);
   }
@@ -146,7 +159,8 @@ TEST(AlignShapes, DoesNotReflect) {
 }
 
 TEST(AlignShapes, AreaWeightsAreThoseOfTheMean) {
-  // A dense patch moves against the rest. With equal weights it drags the centroid; by area it weighs little.
+  // A dense patch moves against the rest. With equal weights it drags the centroid; by area it
+  // weighs little.
   const test::Mesh mesh = test::rings(1e-3);
   const Eigen::VectorXd areas = vertexAreas(mesh.vertices, mesh.faces);
   ASSERT_GT(areas.maxCoeff(), 1e4 * areas.minCoeff());
@@ -156,19 +170,24 @@ TEST(AlignShapes, AreaWeightsAreThoseOfTheMean) {
   const auto restMoves = [&](bool weights) {
     const Aligned aligned = alignShapes(set, with(Alignment::Rigid, weights));
     const auto& shapes = aligned.shapes.shapes();
-    return (shapes[1].landmarks.bottomRows(9) - shapes[0].landmarks.bottomRows(9)).rowwise().norm().maxCoeff();
+    return (shapes[1].landmarks.bottomRows(9) - shapes[0].landmarks.bottomRows(9))
+        .rowwise()
+        .norm()
+        .maxCoeff();
   };
   EXPECT_LT(restMoves(true), 0.01);
   EXPECT_GT(restMoves(false), 0.03);
 }
 
 TEST(AlignShapes, IsDeterministic) {
-  const auto set = test::trainingSet(scattered(test::ellipsoids(4, 15), false, 16), test::ellipsoidFaces());
+  const auto set =
+      test::trainingSet(scattered(test::ellipsoids(4, 15), false, 16), test::ellipsoidFaces());
   EXPECT_EQ(alignShapes(set).mean, alignShapes(set).mean);
 }
 
 TEST(AlignShapes, SaysWhenItDidNotConverge) {
-  const auto set = test::trainingSet(scattered(test::ellipsoids(4, 17), false, 18), test::ellipsoidFaces());
+  const auto set =
+      test::trainingSet(scattered(test::ellipsoids(4, 17), false, 18), test::ellipsoidFaces());
   ProcrustesParameters parameters;
   parameters.iterations = 1;
   EXPECT_FALSE(alignShapes(set, parameters).converged);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/propagation.h"
 
 #include <gtest/gtest.h>
@@ -8,11 +9,11 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/area_restoration.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/propagation/motion_propagation.h"
-#include "vcg_ext/propagation/robust_propagation.h"
+#include "vcg_ext/propagation/aligned/aligned_propagation.h"
+#include "vcg_ext/propagation/motion/motion_propagation.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
 namespace {
@@ -32,13 +33,15 @@ struct Sequence {
   explicit Sequence(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
     for (int i = 0; i < layers; ++i) {
       // Turning the sphere before it is stretched gives the same ellipsoid by other vertices.
-      Mesh mesh = test::transformed(test::icosphereMesh(6 + i % 2), test::randomRotation(100 + i), 1, Vector3::Zero());
+      Mesh mesh = test::transformed(test::icosphereMesh(6 + i % 2), test::randomRotation(100 + i),
+                                    1, Vector3::Zero());
       mesh.vertices *= Vector3(30, 20 - i, 15 - 0.5 * i).asDiagonal();
-      surfaces.push_back(
-          surfaceOf(test::transformed(mesh, rotation, 1, Vector3(5, i, 0)), "phase " + std::to_string(i)));
+      surfaces.push_back(surfaceOf(test::transformed(mesh, rotation, 1, Vector3(5, i, 0)),
+                                   "phase " + std::to_string(i)));
     }
   }
-  SphereMap map(int layer) const {  // the central projection: valid for what is convex about its middle
+  SphereMap map(
+      int layer) const {  // the central projection: valid for what is convex about its middle
     Points positions = surfaces[layer].vertices();
     positions.rowwise() -= positions.colwise().mean().eval();
     positions.rowwise().normalize();
@@ -50,7 +53,9 @@ struct Sequence {
     std::vector<ClosedSurface> layers;
     for (size_t i = 0; i < surfaces.size(); ++i) {
       const Mesh mesh{surfaces[i].vertices(), surfaces[i].faces()};
-      layers.push_back(i == 1 ? surfaceOf(test::transformed(mesh, rotation, scale, shift), "elsewhere") : surfaces[i]);
+      layers.push_back(i == 1
+                           ? surfaceOf(test::transformed(mesh, rotation, scale, shift), "elsewhere")
+                           : surfaces[i]);
     }
     return layers;
   }
@@ -70,7 +75,8 @@ TEST(RobustPropagation, ToARigidlyMovedCopyIsTheIdentity) {
   const Mesh mesh = test::noisyEllipsoid(2);
   const ClosedSurface reference = surfaceOf(mesh);
   const SphereMap map(reference, test::icosphereMesh(8).vertices);
-  const Mesh moved = test::transformed(mesh, turnAbout(Vector3(1, 2, 3), 0.15), 1, Vector3(100, 0, -7));
+  const Mesh moved =
+      test::transformed(mesh, turnAbout(Vector3(1, 2, 3), 0.15), 1, Vector3(100, 0, -7));
   const RobustPropagation result = propagateRobustly(reference, map, surfaceOf(moved));
   EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-9);
   EXPECT_LT(result.residualP95, 1e-9);
@@ -94,10 +100,12 @@ TEST(RobustPropagation, TurnsWithTheSurfacesAndIgnoresScale) {
   for (double scale : {0.01, 1.0, 1000.0}) {
     const auto moved = [&](int i) {
       const ClosedSurface& surface = sequence.surfaces[i];
-      return surfaceOf(test::transformed({surface.vertices(), surface.faces()}, rotation, scale, Vector3(9, i, -40)));
+      return surfaceOf(test::transformed({surface.vertices(), surface.faces()}, rotation, scale,
+                                         Vector3(9, i, -40)));
     };
     const ClosedSurface reference = moved(0), target = moved(1);
-    const RobustPropagation there = propagateRobustly(reference, SphereMap(reference, map.positions()), target);
+    const RobustPropagation there =
+        propagateRobustly(reference, SphereMap(reference, map.positions()), target);
     EXPECT_LT(largestDistance(there.map.positions(), here.map.positions()), 1e-9);
     EXPECT_NEAR(there.residualMean, scale * here.residualMean, 1e-9 * scale);
   }
@@ -116,7 +124,9 @@ TEST(Propagation, GoesAlongTheTree) {
       if (i == 2) continue;
       EXPECT_GT(layers[i].seconds, 0);
       // The ellipsoids are images of each other, and the map says so.
-      EXPECT_LT((layers[i].map.positions() - sequence.map(i).positions()).rowwise().norm().mean(), 0.1) << i;
+      EXPECT_LT((layers[i].map.positions() - sequence.map(i).positions()).rowwise().norm().mean(),
+                0.1)
+          << i;
     }
     EXPECT_EQ(layers[2].map.positions(), root.positions());
     EXPECT_EQ(layers[2].repairedFaces, 0);
@@ -166,12 +176,14 @@ TEST(Propagation, AsPublishedTakesItsParameters) {
   PropagationParameters parameters;
   parameters.method = PropagationMethod::AsPublished;
   parameters.published.smoothingSweeps = 3;
-  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0), parameters).layers;
-  const PublishedPropagation arc =
-      propagateAsPublished(sequence.surfaces[1], layers[1].map, sequence.surfaces[2], parameters.published);
+  const std::vector<PropagatedLayer> layers =
+      propagate(sequence.surfaces, root, timeOrder(3, 0), parameters).layers;
+  const PublishedPropagation arc = propagateAsPublished(sequence.surfaces[1], layers[1].map,
+                                                        sequence.surfaces[2], parameters.published);
   EXPECT_EQ(layers[2].map.positions(), arc.map.positions());
   EXPECT_EQ(layers[2].residualP95, arc.residualP95);
-  EXPECT_NE(layers[2].map.positions(), propagate(sequence.surfaces, root, timeOrder(3, 0)).layers[2].map.positions());
+  EXPECT_NE(layers[2].map.positions(),
+            propagate(sequence.surfaces, root, timeOrder(3, 0)).layers[2].map.positions());
 }
 
 TEST(Propagation, WhatIsRestoredDoesNotGoDownTheTree) {
@@ -183,7 +195,8 @@ TEST(Propagation, WhatIsRestoredDoesNotGoDownTheTree) {
       propagate(sequence.surfaces, root, tree, {PropagationMethod::Robust, {}, 0.5}).layers;
   EXPECT_EQ(restored[0].map.positions(), root.positions());
   for (int i : {1, 2}) {
-    EXPECT_EQ(restored[i].map.positions(), restoreArea(sequence.surfaces[i], plain[i].map, 0.5).positions());
+    EXPECT_EQ(restored[i].map.positions(),
+              restoreArea(sequence.surfaces[i], plain[i].map, 0.5).positions());
     EXPECT_NE(restored[i].map.positions(), plain[i].map.positions());
     EXPECT_EQ(restored[i].residualMean, plain[i].residualMean);
   }
@@ -194,8 +207,8 @@ TEST(Propagation, TellsItsProgress) {
   for (double restoration : {0.0, 0.3}) {
     std::vector<double> told;
     const std::thread::id here = std::this_thread::get_id();
-    propagate(sequence.surfaces, sequence.map(1), timeOrder(4, 1), {PropagationMethod::Robust, {}, restoration},
-              [&](double fraction) {
+    propagate(sequence.surfaces, sequence.map(1), timeOrder(4, 1),
+              {PropagationMethod::Robust, {}, restoration}, [&](double fraction) {
                 EXPECT_EQ(std::this_thread::get_id(), here);
                 if (!told.empty()) {
                   EXPECT_GE(fraction, told.back());
@@ -229,7 +242,8 @@ TEST(Propagation, ComparesTheBranchesOfACycle) {
   for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
     parameters.method = method;
     parameters.closing = closingArc(5, 0);
-    const Propagation closed = propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters);
+    const Propagation closed =
+        propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters);
     ASSERT_TRUE(closed.closing);
     EXPECT_GT(closed.closing->distance.mean, 0);
     EXPECT_LT(closed.closing->distance.mean, 3);  // of an ellipsoid with semi-axes of 30, 16 and 13
@@ -238,14 +252,18 @@ TEST(Propagation, ComparesTheBranchesOfACycle) {
     EXPECT_EQ(closed.averaged, method == PropagationMethod::Robust ? 4 : 0);
     if (method == PropagationMethod::AsPublished) continue;
     EXPECT_EQ(closed.layers[0].map.positions(), open.layers[0].map.positions());
-    for (size_t i = 1; i < 5; ++i) {  // both ways round are averaged; who hands the map to whom stays the tree's
+    for (size_t i = 1; i < 5;
+         ++i) {  // both ways round are averaged; who hands the map to whom stays the tree's
       EXPECT_EQ(closed.layers[i].parent, open.layers[i].parent);
       EXPECT_NE(closed.layers[i].map.positions(), open.layers[i].map.positions());
-      EXPECT_LT(differenceOf(sequence.surfaces[i], closed.layers[i].map, open.layers[i].map).distance.mean, 1);
+      EXPECT_LT(differenceOf(sequence.surfaces[i], closed.layers[i].map, open.layers[i].map)
+                    .distance.mean,
+                1);
     }
   }
   parameters.closing = Arc{0, 5};
-  EXPECT_THROW(propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters), ParameterError);
+  EXPECT_THROW(propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters),
+               ParameterError);
 }
 
 TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
@@ -253,7 +271,8 @@ TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
   for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
     PropagationParameters parameters;
     parameters.method = method;
-    const Propagation made = propagate(sequence.surfaces, sequence.map(0), timeOrder(3, 0), parameters);
+    const Propagation made =
+        propagate(sequence.surfaces, sequence.map(0), timeOrder(3, 0), parameters);
     for (size_t i = 0; i < 3; ++i) {
       const PropagatedLayer& layer = made.layers[i];
       ASSERT_EQ(layer.distances.size(), static_cast<size_t>(sequence.surfaces[i].vertexCount()));
@@ -269,8 +288,8 @@ TEST(Propagation, RefusesLayersInDifferentUnits) {
   for (double scale : {0.001, 1000.0, 1e-30, 1e30}) {
     std::vector<ClosedSurface> surfaces;
     for (size_t i = 0; i < 3; ++i)
-      surfaces.emplace_back(sequence.surfaces[i].vertices() * (i == 1 ? scale : 1), sequence.surfaces[i].faces(),
-                            "phase " + std::to_string(i));
+      surfaces.emplace_back(sequence.surfaces[i].vertices() * (i == 1 ? scale : 1),
+                            sequence.surfaces[i].faces(), "phase " + std::to_string(i));
     try {
       propagate(surfaces, root, timeOrder(3, 0));
       FAIL() << scale;
@@ -284,7 +303,8 @@ TEST(Propagation, RefusesLayersInDifferentUnits) {
       EXPECT_NO_THROW(propagate(surfaces, root, timeOrder(3, 0), parameters));
     }
   }
-  const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, timeOrder(3, 0)).layers;
+  const std::vector<PropagatedLayer> layers =
+      propagate(sequence.surfaces, root, timeOrder(3, 0)).layers;
   EXPECT_EQ(layers[0].relativeSize, 1);
   EXPECT_LT(layers[1].relativeSize, 1.5);
 }
@@ -308,7 +328,8 @@ TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {
     }
   }
   parameters.threads = -1;
-  EXPECT_THROW(propagate(sequence.surfaces, sequence.map(0), star(13, 0), parameters), ParameterError);
+  EXPECT_THROW(propagate(sequence.surfaces, sequence.map(0), star(13, 0), parameters),
+               ParameterError);
 }
 
 TEST(Propagation, AnErrorNamesTheLayer) {
@@ -317,7 +338,8 @@ TEST(Propagation, AnErrorNamesTheLayer) {
   flat.vertices << 3, 1, 0, -3, 2, 0, -2, -1, 0, 2, -2, 0;
   reversed = flat;
   reversed.faces.col(1).swap(reversed.faces.col(2));
-  const std::vector<ClosedSurface> surfaces = {surfaceOf(flat, "first phase"), surfaceOf(flat, "second phase"),
+  const std::vector<ClosedSurface> surfaces = {surfaceOf(flat, "first phase"),
+                                               surfaceOf(flat, "second phase"),
                                                surfaceOf(reversed, "third phase")};
   const SphereMap root(surfaces[0], test::tetrahedron().vertices);
   PropagationParameters parameters;
@@ -333,7 +355,8 @@ TEST(Propagation, AnErrorNamesTheLayer) {
   }
   // The motion model fits no flat shape, but what can be mended is no error.
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0)).layers;
-  for (size_t i = 0; i < 3; ++i) EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map.positions()).valid());
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map.positions()).valid());
 }
 
 TEST(Propagation, RefusesWhatDoesNotFit) {
@@ -341,9 +364,11 @@ TEST(Propagation, RefusesWhatDoesNotFit) {
   const SphereMap root = sequence.map(0);
   EXPECT_THROW(propagate({}, root, star(1, 0)), ParameterError);
   EXPECT_THROW(propagate(sequence.surfaces, root, star(2, 0)), ParameterError);
-  EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 1)), ParameterError);  // another number of vertices
+  EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 1)),
+               ParameterError);  // another number of vertices
   for (double restoration : {-0.1, 1.1})
-    EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 0), {PropagationMethod::Robust, {}, restoration}),
+    EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 0),
+                           {PropagationMethod::Robust, {}, restoration}),
                  ParameterError);
 }
 

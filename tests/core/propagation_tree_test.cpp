@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/propagation_tree.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sequence/propagation_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,8 @@ void expectOrdered(const PropagationTree& tree, int root) {
   EXPECT_EQ(tree.parent[root], -1);
   std::set<int> done;
   for (int i : tree.order) {
-    EXPECT_TRUE(i == root || done.count(tree.parent[i])) << "layer " << i << " comes before its parent";
+    EXPECT_TRUE(i == root || done.count(tree.parent[i]))
+        << "layer " << i << " comes before its parent";
     EXPECT_TRUE(done.insert(i).second) << "layer " << i << " comes twice";
   }
 }
@@ -106,9 +108,11 @@ TEST(PropagationTree, TheClosingArcIsTheOneThatTheCycleLacks) {
 TEST(PropagationTree, ACycleIsClosedByItsArc) {
   for (int layers = 2; layers < 9; ++layers)
     for (int root = 0; root < layers; ++root) {
-      const ClosedCycle cycle = closedCycle(cyclicTimeOrder(layers, root), closingArc(layers, root));
+      const ClosedCycle cycle =
+          closedCycle(cyclicTimeOrder(layers, root), closingArc(layers, root));
       ASSERT_EQ(cycle.layers.size(), static_cast<size_t>(layers));
-      for (int step = 0; step < layers; ++step) EXPECT_EQ(cycle.layers[step], (root + step) % layers);
+      for (int step = 0; step < layers; ++step)
+        EXPECT_EQ(cycle.layers[step], (root + step) % layers);
       EXPECT_EQ(cycle.forward, layers / 2);
       std::vector<int> reached;
       for (const bool forward : {true, false})
@@ -163,7 +167,8 @@ TEST(PropagationTree, GivenOrderNamesTheLayerThatIsWrong) {
   EXPECT_NE(messageOf({-1, -2}).find("Layer 1"), std::string::npos);
   EXPECT_NE(messageOf({-1, 1}).find("1 <- 1"), std::string::npos);  // its own parent
   // Layer 1 is behind the circle, not on it.
-  EXPECT_NE(messageOf({-1, 2, 3, 4, 2}).find("2 <- 3 <- 4 <- 2"), std::string::npos) << messageOf({-1, 2, 3, 4, 2});
+  EXPECT_NE(messageOf({-1, 2, 3, 4, 2}).find("2 <- 3 <- 4 <- 2"), std::string::npos)
+      << messageOf({-1, 2, 3, 4, 2});
   EXPECT_THROW(givenOrder({}), ParameterError);
 }
 

@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/published_propagation.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/published/published_propagation.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +11,10 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/propagation/principal_axes.h"
-#include "vcg_ext/propagation/residual.h"
-#include "vcg_ext/propagation/rigid_alignment.h"
+#include "vcg_ext/propagation/transfer/residual.h"
+#include "vcg_ext/registration/principal_axes.h"
+#include "vcg_ext/registration/rigid_alignment.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
 namespace {
@@ -78,7 +79,8 @@ TEST(ReleaseInwardTriangles, AnInwardTriangleLosesItsThreeNodes) {
   const Mesh mesh = test::icosahedron();
   Points positions = mesh.vertices;
   positions.row(0).swap(positions.row(11));  // reverses face (0, 11, 5)
-  const FixedNodes kept = releaseInwardTriangles(mesh.faces, fixedAt(positions, {0, 5, 11, 3, 6, 8}));
+  const FixedNodes kept =
+      releaseInwardTriangles(mesh.faces, fixedAt(positions, {0, 5, 11, 3, 6, 8}));
   EXPECT_EQ(fixedOf(kept), (std::vector<int>{3, 6, 8}));  // face (3, 6, 8) points outwards
   EXPECT_EQ(kept.positions.row(6), positions.row(6));
 }
@@ -91,8 +93,8 @@ TEST(ReleaseInwardTriangles, JudgesOnlyTrianglesWithThreeFixedNodes) {
 }
 
 TEST(ReleaseInwardTriangles, GoesOverTheOriginalNodesOnce) {
-  // A mirrored octahedron: of the four fixed nodes two adjacent faces, (0, 2, 4) and (2, 1, 4), point inwards. The
-  // second must be judged although the first has lost its nodes.
+  // A mirrored octahedron: of the four fixed nodes two adjacent faces, (0, 2, 4) and (2, 1, 4),
+  // point inwards. The second must be judged although the first has lost its nodes.
   const Mesh mesh = test::octahedron();
   Points mirrored = mesh.vertices;
   mirrored.col(0) *= -1;
@@ -130,7 +132,8 @@ TEST(PlaceMovingNodes, ManyMovingNodesSolveTheDenseSystem) {
   // The paper's equations over all nodes, with a row of the identity for each fixed one.
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   for (int f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) A(mesh.faces(f, k), mesh.faces(f, (k + 1) % 3)) = -1;  // its twin does the other way
+    for (int k = 0; k < 3; ++k)
+      A(mesh.faces(f, k), mesh.faces(f, (k + 1) % 3)) = -1;  // its twin does the other way
   for (int v = 0; v < n; ++v) A(v, v) = -A.row(v).sum();
   Eigen::MatrixX3d b = Eigen::MatrixX3d::Zero(n, 3);
   for (int v : fixed) {
@@ -181,7 +184,8 @@ TEST(SmoothOnSphere, SweepsFollowOneAnother) {
   EXPECT_EQ(smoothOnSphere(e.surface, e.map.positions(), 0), e.map.positions());
   const Points one = smoothOnSphere(e.surface, e.map.positions(), 1);
   EXPECT_GT(largestDifference(one, e.map.positions()), 1e-3);
-  EXPECT_EQ(smoothOnSphere(e.surface, smoothOnSphere(e.surface, one, 1), 1), smoothOnSphere(e.surface, one, 2));
+  EXPECT_EQ(smoothOnSphere(e.surface, smoothOnSphere(e.surface, one, 1), 1),
+            smoothOnSphere(e.surface, one, 2));
   EXPECT_EQ(smoothOnSphere(e.surface, e.map.positions(), 3), smoothOnSphere(e.surface, one, 2));
 }
 
@@ -213,7 +217,8 @@ TEST(SmoothOnSphere, TurnsWithThePositionsAndIgnoresScale) {
   EXPECT_LT(largestDifference(turned, smoothed * rotation.transpose()), 1e-13);
   for (double scale : {1e-3, 1e6}) {
     const Mesh moved = test::transformed(e.mesh, rotation, scale, Vector3(1, 2, 3));
-    EXPECT_LT(largestDifference(smoothOnSphere(surfaceOf(moved), e.map.positions(), 10), smoothed), 1e-11);
+    EXPECT_LT(largestDifference(smoothOnSphere(surfaceOf(moved), e.map.positions(), 10), smoothed),
+              1e-11);
   }
 }
 
@@ -242,7 +247,8 @@ TEST(SmoothOnSphere, RefusesANegativeNumberOfSweeps) {
 
 TEST(PublishedPropagation, ToTheSameSurfaceWithoutSweepsIsTheIdentity) {
   const Example e;
-  const PublishedPropagation result = propagateAsPublished(e.surface, e.map, e.surface, {true, 30, 0});
+  const PublishedPropagation result =
+      propagateAsPublished(e.surface, e.map, e.surface, {true, 30, 0});
   EXPECT_LT(largestDifference(result.map.positions(), e.map.positions()), 1e-15);
   EXPECT_EQ(result.fixedNodes, e.surface.vertexCount());
   EXPECT_EQ(result.repairedFaces, 0);
@@ -260,7 +266,8 @@ TEST(PublishedPropagation, DefaultsAreThePapers) {
 TEST(PublishedPropagation, IsItsStepsOneAfterTheOther) {
   const Example e;
   const Mesh other =
-      test::transformed(test::ellipsoid(34, 19, 13, 7), test::randomRotation(1001) /* e's own */, 1, Vector3(20, 0, 5));
+      test::transformed(test::ellipsoid(34, 19, 13, 7), test::randomRotation(1001) /* e's own */, 1,
+                        Vector3(20, 0, 5));
   const ClosedSurface target = surfaceOf(other, "target");
   bool repaired = false;
   for (int sweeps : {0, 1, 50}) {
@@ -268,15 +275,16 @@ TEST(PublishedPropagation, IsItsStepsOneAfterTheOther) {
     const Points scaled = scaledToExtents(other.vertices, principalAxes(e.mesh.vertices));
     const Points aligned = alignRigidly(scaled, reference, 30).motion.applyTo(scaled);
     const std::vector<VertexPair> pairs = mutualNearest(VertexLocator(aligned), reference);
-    const FixedNodes nodes =
-        releaseInwardTriangles(other.faces, fixNodes(target.vertexCount(), pairs, e.map.positions()));
+    const FixedNodes nodes = releaseInwardTriangles(
+        other.faces, fixNodes(target.vertexCount(), pairs, e.map.positions()));
     EXPECT_GT(nodes.count(), 100);
     EXPECT_LT(nodes.count(), target.vertexCount() - 10);  // so that there are moving nodes
     const Points positions = smoothOnSphere(target, placeMovingNodes(target, nodes), sweeps);
     const long flipped = certify(target.faces(), positions).flippedFaces;
     repaired = repaired || flipped > 0;
 
-    const PublishedPropagation result = propagateAsPublished(e.surface, e.map, target, {true, 30, sweeps});
+    const PublishedPropagation result =
+        propagateAsPublished(e.surface, e.map, target, {true, 30, sweeps});
     EXPECT_EQ(result.fixedNodes, nodes.count());
     EXPECT_EQ(result.repairedFaces, flipped);
     if (flipped == 0) {
@@ -299,22 +307,26 @@ TEST(PublishedPropagation, ScalingUndoesADilationAlongThePrincipalAxes) {
   const PublishedPropagation with = propagateAsPublished(e.surface, e.map, target, {true, 30, 0});
   EXPECT_LT(largestDifference(with.map.positions(), e.map.positions()), 1e-15);
   EXPECT_LT(with.residualMean, 1e-9);
-  const PublishedPropagation without = propagateAsPublished(e.surface, e.map, target, {false, 30, 0});
+  const PublishedPropagation without =
+      propagateAsPublished(e.surface, e.map, target, {false, 30, 0});
   EXPECT_LT(without.fixedNodes, target.vertexCount());
   EXPECT_GT(without.residualMean, 1);
 }
 
 TEST(PublishedPropagation, DoesNotDependOnWhereTheSurfacesAre) {
   const Example e;
-  const Mesh other =
-      test::transformed(test::noisyEllipsoid(2), test::randomRotation(1001) * test::randomRotation(1002).transpose(), 1,
-                        Vector3(3, 2, 1));  // turned as e is
+  const Mesh other = test::transformed(
+      test::noisyEllipsoid(2), test::randomRotation(1001) * test::randomRotation(1002).transpose(),
+      1, Vector3(3, 2, 1));  // turned as e is
   const PublishedPropagation here = propagateAsPublished(e.surface, e.map, surfaceOf(other));
   const Eigen::Matrix3d rotation = test::randomRotation(12);
   for (double scale : {0.01, 1.0, 1000.0}) {
-    const ClosedSurface reference = surfaceOf(test::transformed(e.mesh, rotation, scale, Vector3(-50, 8, 9)));
-    const ClosedSurface target = surfaceOf(test::transformed(other, rotation, scale, Vector3(-5, 80, 7)));
-    const PublishedPropagation there = propagateAsPublished(reference, SphereMap(reference, e.map.positions()), target);
+    const ClosedSurface reference =
+        surfaceOf(test::transformed(e.mesh, rotation, scale, Vector3(-50, 8, 9)));
+    const ClosedSurface target =
+        surfaceOf(test::transformed(other, rotation, scale, Vector3(-5, 80, 7)));
+    const PublishedPropagation there =
+        propagateAsPublished(reference, SphereMap(reference, e.map.positions()), target);
     EXPECT_EQ(there.fixedNodes, here.fixedNodes);
     EXPECT_LT(largestDifference(there.map.positions(), here.map.positions()), 1e-9);
     EXPECT_NEAR(there.residualMean, scale * here.residualMean, 1e-6 * scale);
@@ -324,9 +336,9 @@ TEST(PublishedPropagation, DoesNotDependOnWhereTheSurfacesAre) {
 
 TEST(PublishedPropagation, TurnsWithTheReferencesMap) {
   const Example e;
-  const ClosedSurface target = surfaceOf(
-      test::transformed(test::noisyEllipsoid(2), test::randomRotation(1001) * test::randomRotation(1002).transpose(), 1,
-                        Vector3::Zero()));
+  const ClosedSurface target = surfaceOf(test::transformed(
+      test::noisyEllipsoid(2), test::randomRotation(1001) * test::randomRotation(1002).transpose(),
+      1, Vector3::Zero()));
   const Eigen::Matrix3d rotation = test::randomRotation(13);
   const SphereMap turned(e.surface, e.map.positions() * rotation.transpose());
   const PublishedPropagation a = propagateAsPublished(e.surface, e.map, target);
@@ -358,12 +370,14 @@ TEST(PublishedPropagation, RefusesWhatIsOutOfRange) {
 }
 
 TEST(PublishedPropagation, NamesTheTwoSurfacesThatCorrespondNowhere) {
-  // A flat double cover, and the same with its faces reversed: the vertices agree, and every triangle points inwards.
+  // A flat double cover, and the same with its faces reversed: the vertices agree, and every
+  // triangle points inwards.
   Mesh flat = test::tetrahedron(), reversed;
   flat.vertices << 3, 1, 0, -3, 2, 0, -2, -1, 0, 2, -2, 0;
   reversed = flat;
   reversed.faces.col(1).swap(reversed.faces.col(2));
-  const ClosedSurface reference = surfaceOf(flat, "first phase"), target = surfaceOf(reversed, "second phase");
+  const ClosedSurface reference = surfaceOf(flat, "first phase"),
+                      target = surfaceOf(reversed, "second phase");
   const SphereMap map(reference, test::tetrahedron().vertices);
   try {
     propagateAsPublished(reference, map, target);

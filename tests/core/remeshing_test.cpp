@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/remeshing/remeshing.h"
 
 #include <gtest/gtest.h>
@@ -7,11 +8,11 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/root_map.h"
-#include "vcg_ext/map/sphere_locator.h"
+#include "vcg_ext/display/landmark_colors.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
-#include "vcg_ext/remeshing/landmark_colors.h"
+#include "vcg_ext/root_map/root_map.h"
+#include "vcg_ext/sphere/sphere_locator.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -31,7 +32,8 @@ TEST(Remeshing, AFinerIcosphereSamplesTheFlatFaces) {
   const Icosphere coarse = icosphere(3), fine = icosphere(12);
   const ClosedSurface surface(coarse.vertices, coarse.faces);
   const Remeshed result = remesh(surface, SphereMap(surface, coarse.vertices), fine.vertices);
-  for (Eigen::Index j = 0; j < fine.vertices.rows(); ++j)  // along its own direction, below the sphere
+  for (Eigen::Index j = 0; j < fine.vertices.rows();
+       ++j)  // along its own direction, below the sphere
     EXPECT_LT((result.landmarks.row(j).normalized() - fine.vertices.row(j)).norm(), 1e-14);
   EXPECT_LT(result.landmarks.rowwise().norm().minCoeff(), 0.98);
   // All samples of the finer mesh that lie on flat faces are on the surface.
@@ -40,7 +42,8 @@ TEST(Remeshing, AFinerIcosphereSamplesTheFlatFaces) {
 }
 
 TEST(Remeshing, ALinearMapOfTheSphereCarriesOver) {
-  // The surface is a linear image of its map, so the landmarks are that image of the directions' flat points.
+  // The surface is a linear image of its map, so the landmarks are that image of the directions'
+  // flat points.
   const Mesh mesh = icosphereMesh(7);
   Eigen::Matrix3d linear;
   linear << 30, 4, -3, 1, 20, 5, 2, -6, 25;
@@ -50,7 +53,9 @@ TEST(Remeshing, ALinearMapOfTheSphereCarriesOver) {
   const Points directions = icosphere(10).vertices;
   const Points flat = remesh(sphere, SphereMap(sphere, mesh.vertices), directions).landmarks;
   const Points landmarks = remesh(surface, SphereMap(surface, mesh.vertices), directions).landmarks;
-  EXPECT_LT((landmarks - ((flat * linear.transpose()).rowwise() + shift)).rowwise().norm().maxCoeff(), 1e-12);
+  EXPECT_LT(
+      (landmarks - ((flat * linear.transpose()).rowwise() + shift)).rowwise().norm().maxCoeff(),
+      1e-12);
 }
 
 TEST(Remeshing, TurningMapAndDirectionsTogetherChangesNothing) {
@@ -61,25 +66,31 @@ TEST(Remeshing, TurningMapAndDirectionsTogetherChangesNothing) {
   const Points before = remesh(surface, SphereMap(surface, map.vertices), directions).landmarks;
   const Eigen::Matrix3d turn = randomRotation(6);
   const Points turnedMap = (map.vertices * turn.transpose()).rowwise().normalized();
-  const Points after = remesh(surface, SphereMap(surface, turnedMap), directions * turn.transpose()).landmarks;
+  const Points after =
+      remesh(surface, SphereMap(surface, turnedMap), directions * turn.transpose()).landmarks;
   EXPECT_LT((before - after).rowwise().norm().maxCoeff(), 1e-11);
-  EXPECT_EQ(before, remesh(surface, SphereMap(surface, map.vertices), directions).landmarks);  // bit for bit
+  EXPECT_EQ(
+      before,
+      remesh(surface, SphereMap(surface, map.vertices), directions).landmarks);  // bit for bit
 }
 
 TEST(Remeshing, BadDirection) {
   const Mesh mesh = octahedron();
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  EXPECT_THROW(remesh(surface, SphereMap(surface, mesh.vertices), Points::Zero(1, 3)), ParameterError);
+  EXPECT_THROW(remesh(surface, SphereMap(surface, mesh.vertices), Points::Zero(1, 3)),
+               ParameterError);
 }
 
 TEST(SurfaceDistance, OfConcentricCopies) {
-  // A mesh blown up by a factor about its centre: by hand for the octahedron (faces at 1 / sqrt 3 of its radius).
+  // A mesh blown up by a factor about its centre: by hand for the octahedron (faces at 1 / sqrt 3
+  // of its radius).
   const Mesh inner = octahedron();
   const ClosedSurface surface(inner.vertices, inner.faces);
   const SurfaceDistance distance = surfaceDistance(2 * inner.vertices, inner.faces, surface);
   const double face = 1 / std::sqrt(3.0);
-  // Outwards: its corners are 1 away from the inner corners, its centroids `face` from the inner faces. Inwards: the
-  // inner corner (1, 0, 0) is (2 - 1) / sqrt 3 from the outer plane x + y + z = 2.
+  // Outwards: its corners are 1 away from the inner corners, its centroids `face` from the inner
+  // faces. Inwards: the inner corner (1, 0, 0) is (2 - 1) / sqrt 3 from the outer plane x + y + z
+  // = 2.
   EXPECT_NEAR(distance.mean, ((0.25 * 1 + 0.75 * face) + face) / 2, 1e-15);
   EXPECT_NEAR(distance.max, 1, 1e-15);
 }
@@ -102,7 +113,8 @@ TEST(SurfaceDistance, FallsWithTheSquareOfTheSpacing) {
   const SphereMap sphere(surface, map.vertices);
   const auto distance = [&](int f) {
     const Icosphere ico = icosphere(f);
-    return surfaceDistance(remesh(surface, sphere, ico.vertices).landmarks, ico.faces, surface).mean;
+    return surfaceDistance(remesh(surface, sphere, ico.vertices).landmarks, ico.faces, surface)
+        .mean;
   };
   const double ratio = distance(5) / distance(10);
   EXPECT_GT(ratio, 3.4);
@@ -112,7 +124,8 @@ TEST(SurfaceDistance, FallsWithTheSquareOfTheSpacing) {
 TEST(SurfaceDistance, LandmarksWithoutArea) {
   const Mesh mesh = octahedron();
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  const SurfaceDistance distance = surfaceDistance(Points::Zero(3, 3), Triangles{{0, 1, 2}}, surface);
+  const SurfaceDistance distance =
+      surfaceDistance(Points::Zero(3, 3), Triangles{{0, 1, 2}}, surface);
   EXPECT_NEAR(distance.max, 1, 1e-15);
   EXPECT_NEAR(distance.mean, (1 / std::sqrt(3.0) + 1) / 2, 1e-15);
 }
@@ -123,7 +136,8 @@ TEST(IcosphereRemesher, SamplesAndMeasuresAsWithoutHints) {
   for (const Mesh& shape : {ellipsoid(3, 2, 1, 16), cup(0.2, 40, 40), ellipsoid(1, 1, 30, 16)}) {
     const bool own = shape.vertices.rows() != turned.rows();
     const ClosedSurface surface(shape.vertices, shape.faces);
-    const SphereMap sphere = own ? makeRootMap(surface).map : SphereMap(surface, turned.rowwise().normalized());
+    const SphereMap sphere =
+        own ? makeRootMap(surface).map : SphereMap(surface, turned.rowwise().normalized());
     for (const int frequency : {1, 4, 10, 30}) {
       const IcosphereRemesher remesher(frequency);
       const Points& directions = remesher.sphere().vertices;
@@ -131,9 +145,11 @@ TEST(IcosphereRemesher, SamplesAndMeasuresAsWithoutHints) {
       EXPECT_EQ(remeshed.landmarks, remesh(surface, sphere, directions).landmarks);
       const SphereLocator locator(surface, sphere);
       for (Eigen::Index j = 0; j < directions.rows(); ++j)
-        EXPECT_EQ(remeshed.faces[static_cast<size_t>(j)], locator.locate(directions.row(j).transpose()).face);
+        EXPECT_EQ(remeshed.faces[static_cast<size_t>(j)],
+                  locator.locate(directions.row(j).transpose()).face);
       const SurfaceDistance found = remesher.distance(remeshed, surface, sphere);
-      const SurfaceDistance expected = surfaceDistance(remeshed.landmarks, remesher.sphere().faces, surface);
+      const SurfaceDistance expected =
+          surfaceDistance(remeshed.landmarks, remesher.sphere().faces, surface);
       EXPECT_NEAR(found.mean, expected.mean, 1e-14);
       EXPECT_NEAR(found.max, expected.max, 1e-14);
     }
@@ -145,8 +161,8 @@ TEST(IcosphereRemesher, BadFrequency) { EXPECT_THROW(IcosphereRemesher(0), Param
 TEST(LandmarkColors, HuesOfAWholeTurn) {
   const Colors colors = landmarkColors(12);
   Colors expected(12, 3);
-  expected << 255, 0, 0, 255, 128, 0, 255, 255, 0, 128, 255, 0, 0, 255, 0, 0, 255, 128, 0, 255, 255, 0, 128, 255, 0, 0,
-      255, 128, 0, 255, 255, 0, 255, 255, 0, 128;
+  expected << 255, 0, 0, 255, 128, 0, 255, 255, 0, 128, 255, 0, 0, 255, 0, 0, 255, 128, 0, 255, 255,
+      0, 128, 255, 0, 0, 255, 128, 0, 255, 255, 0, 255, 255, 0, 128;
   EXPECT_EQ(colors, expected);
   EXPECT_EQ(landmarkColors(0).rows(), 0);
   EXPECT_EQ(landmarkColors(1), (Colors(1, 3) << 255, 0, 0).finished());
@@ -157,7 +173,8 @@ TEST(LandmarkColors, FullSaturationAndValueAndSmooth) {
   for (Eigen::Index j = 0; j < 1002; ++j) {
     EXPECT_EQ(colors.row(j).maxCoeff(), 255);
     EXPECT_EQ(colors.row(j).minCoeff(), 0);
-    const Eigen::RowVector3i step = colors.row(j).cast<int>() - colors.row((j + 1) % 1002).cast<int>();
+    const Eigen::RowVector3i step =
+        colors.row(j).cast<int>() - colors.row((j + 1) % 1002).cast<int>();
     EXPECT_LE(step.cwiseAbs().sum(), 3);
   }
   // On the icosphere neighbours never lie more than two rows apart: 36 degrees of hue.

@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/rigid_alignment.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/registration/rigid_alignment.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,8 @@ namespace sphere_propagation {
 namespace {
 
 RigidMotion turn(double degrees, const Vector3& axis, const Vector3& translation) {
-  return {Eigen::AngleAxisd(degrees * std::acos(-1.0) / 180, axis.normalized()).toRotationMatrix(), translation};
+  return {Eigen::AngleAxisd(degrees * std::acos(-1.0) / 180, axis.normalized()).toRotationMatrix(),
+          translation};
 }
 
 double difference(const RigidMotion& a, const RigidMotion& b) {
@@ -42,7 +44,8 @@ TEST(FitRigid, IsTheLeastSquaresFit) {
   const double least = (best.applyTo(from) - to).squaredNorm();
   test::Random random(4);
   for (int i = 0; i < 50; ++i) {
-    RigidMotion other = turn(random.uniform(0.01, 2), random.direction(), best.translation + 0.01 * random.direction());
+    RigidMotion other = turn(random.uniform(0.01, 2), random.direction(),
+                             best.translation + 0.01 * random.direction());
     other.rotation = other.rotation * best.rotation;
     EXPECT_GT((other.applyTo(from) - to).squaredNorm(), least);
   }
@@ -72,7 +75,8 @@ TEST(AlignRigidly, RecoversASmallMotionOfTheSameMesh) {
   EXPECT_TRUE(found.converged);
   EXPECT_LT(found.iterations, 30);
   EXPECT_GT(found.iterations, 1);  // the first pairs are not yet right: this is more than one fit
-  EXPECT_LT((found.motion.applyTo(away.applyTo(reference)) - reference).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT((found.motion.applyTo(away.applyTo(reference)) - reference).cwiseAbs().maxCoeff(),
+            1e-10);
 }
 
 TEST(AlignRigidly, StopsWhenNothingChanges) {
@@ -87,7 +91,8 @@ TEST(AlignRigidly, StopsAfterTheGivenIterations) {
   const Points reference = test::noisyEllipsoid(8).vertices;
   const VertexLocator locator(reference);
   const Points moved = turn(15, {1, 1, 0}, {2, 0, 0}).applyTo(reference);
-  const RigidAlignment none = alignRigidly(moved, locator, 0), one = alignRigidly(moved, locator, 1);
+  const RigidAlignment none = alignRigidly(moved, locator, 0),
+                       one = alignRigidly(moved, locator, 1);
   EXPECT_EQ(none.iterations, 0);
   EXPECT_EQ(difference(none.motion, RigidMotion{}), 0);
   EXPECT_EQ(one.iterations, 1);
@@ -95,7 +100,8 @@ TEST(AlignRigidly, StopsAfterTheGivenIterations) {
   // One iteration by its definition: nearest points, one fit.
   const std::vector<int> pairs = locator.nearest(moved);
   Points targets(moved.rows(), 3);
-  for (size_t i = 0; i < pairs.size(); ++i) targets.row(static_cast<Eigen::Index>(i)) = reference.row(pairs[i]);
+  for (size_t i = 0; i < pairs.size(); ++i)
+    targets.row(static_cast<Eigen::Index>(i)) = reference.row(pairs[i]);
   EXPECT_LT(difference(one.motion, fitRigid(moved, targets)), 1e-14);
   EXPECT_THROW(alignRigidly(moved, locator, -1), ParameterError);
   EXPECT_THROW(alignRigidly(Points(0, 3), locator), ParameterError);

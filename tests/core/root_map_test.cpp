@@ -1,4 +1,5 @@
-#include "vcg_ext/map/root_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/root_map/root_map.h"
 
 #include <gtest/gtest.h>
 
@@ -9,13 +10,13 @@
 
 #include "tests/core/limb_meshes.h"
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/map_measures.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation::test {
 namespace {
 
-const std::vector<InitialMap> starts{InitialMap::Automatic, InitialMap::Brechbuehler, InitialMap::Harmonic,
-                                     InitialMap::Hierarchical};
+const std::vector<InitialMap> starts{InitialMap::Automatic, InitialMap::Brechbuehler,
+                                     InitialMap::Harmonic, InitialMap::Hierarchical};
 
 struct NamedMesh {
   std::string name;
@@ -46,7 +47,8 @@ std::vector<NamedMesh> smallMeshes() {
 std::vector<NamedMesh> stubbornMeshes() {
   Mesh collapsed = noisyEllipsoid(4);
   for (int f = 0; f < 60; ++f)  // a tenth of the vertices moved onto a neighbour
-    collapsed.vertices.row(collapsed.faces(21 * f, 0)) = collapsed.vertices.row(collapsed.faces(21 * f, 1));
+    collapsed.vertices.row(collapsed.faces(21 * f, 0)) =
+        collapsed.vertices.row(collapsed.faces(21 * f, 1));
   return {{"flattened", ellipsoid(30, 20, 0)},
           {"needle", ellipsoid(1000, 1, 1)},
           {"duplicate vertices", collapsed},
@@ -74,11 +76,12 @@ TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
 }
 
 TEST(RootMap, PreservesAreasFromEachStart) {
-  for (const NamedMesh& named : std::vector<NamedMesh>{{"ellipsoid", ellipsoid(30, 20, 15, 12)},
-                                                       {"noisy ellipsoid", noisyEllipsoid(1)},
-                                                       {"long ellipsoid", ellipsoid(60, 20, 15, 12)},
-                                                       {"thick cup", cup(0.3, 24, 8)},
-                                                       {"cup", cup(0.2, 40, 16)}}) {
+  for (const NamedMesh& named :
+       std::vector<NamedMesh>{{"ellipsoid", ellipsoid(30, 20, 15, 12)},
+                              {"noisy ellipsoid", noisyEllipsoid(1)},
+                              {"long ellipsoid", ellipsoid(60, 20, 15, 12)},
+                              {"thick cup", cup(0.3, 24, 8)},
+                              {"cup", cup(0.2, 40, 16)}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     for (const InitialMap start : starts) {
       const RootMapResult result = makeRootMap(surface, {start, 0.9});
@@ -92,11 +95,13 @@ TEST(RootMap, PreservesAreasFromEachStart) {
 }
 
 TEST(RootMap, PreservesAreasOfSmallMeshes) {
-  for (const char* name : {"4 vertices", "5 vertices", "6 vertices", "6 vertices, skewed", "7 vertices"})
+  for (const char* name :
+       {"4 vertices", "5 vertices", "6 vertices", "6 vertices, skewed", "7 vertices"})
     for (const NamedMesh& named : smallMeshes())
       if (named.name == name) {
         const ClosedSurface surface(named.mesh.vertices, named.mesh.faces);
-        EXPECT_LT(measureMap(surface, makeRootMap(surface).map.positions()).areaRatioSd, 1e-3) << name;
+        EXPECT_LT(measureMap(surface, makeRootMap(surface).map.positions()).areaRatioSd, 1e-3)
+            << name;
       }
 }
 
@@ -118,7 +123,8 @@ TEST(RootMap, AutomaticIsHierarchical) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   const RootMapResult automatic = makeRootMap(surface);
   EXPECT_EQ(automatic.used, InitialMap::Hierarchical);
-  EXPECT_EQ(automatic.map.positions(), makeRootMap(surface, {InitialMap::Hierarchical, 0.9}).map.positions());
+  EXPECT_EQ(automatic.map.positions(),
+            makeRootMap(surface, {InitialMap::Hierarchical, 0.9}).map.positions());
   EXPECT_GT(automatic.levels, 3);
 }
 
@@ -127,7 +133,8 @@ TEST(RootMap, WorksAtAnyScale) {
   for (const double scale : {1e-100, 1e-30, 1e-6, 1e30, 1e100})
     for (const InitialMap start : starts) {
       const ClosedSurface surface(scale * mesh.vertices, mesh.faces);
-      const MapMeasures measures = measureMap(surface, makeRootMap(surface, {start, 0.9}).map.positions());
+      const MapMeasures measures =
+          measureMap(surface, makeRootMap(surface, {start, 0.9}).map.positions());
       EXPECT_LT(measures.areaRatioSd, 0.01) << scale;
       EXPECT_LT(measures.angleErrorMean, 20) << scale;
     }
@@ -136,24 +143,26 @@ TEST(RootMap, WorksAtAnyScale) {
 TEST(RootMap, SaysWhyItTookAnotherStart) {
   // All vertices of a tetrahedron are neighbours, so there is no place for Brechbuehler's poles.
   const Mesh mesh = tetrahedron();
-  const RootMapResult result =
-      makeRootMap(ClosedSurface(mesh.vertices, mesh.faces, "end-diastole"), {InitialMap::Brechbuehler, 0.9});
+  const RootMapResult result = makeRootMap(ClosedSurface(mesh.vertices, mesh.faces, "end-diastole"),
+                                           {InitialMap::Brechbuehler, 0.9});
   EXPECT_EQ(result.used, InitialMap::Hierarchical);
   EXPECT_NE(result.note.find("\"end-diastole\""), std::string::npos) << result.note;
   EXPECT_NE(result.note.find("the initial map is Hierarchical"), std::string::npos) << result.note;
-  EXPECT_NE(result.note.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"), std::string::npos)
+  EXPECT_NE(result.note.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"),
+            std::string::npos)
       << result.note;
 }
 
 TEST(RootMap, FallsBackToTheHierarchicalStartForLimbs) {
-  // Sizes fall exponentially along a limb: with four of them, whatever the poles, some end below what can be told
-  // from a point.
+  // Sizes fall exponentially along a limb: with four of them, whatever the poles, some end below
+  // what can be told from a point.
   const Mesh mesh = tetrapod(80);
   const ClosedSurface surface(mesh.vertices, mesh.faces, "four limbs");
   for (const InitialMap start : {InitialMap::Brechbuehler, InitialMap::Harmonic}) {
     const RootMapResult result = makeRootMap(surface, {start, 0.9});
     EXPECT_EQ(result.used, InitialMap::Hierarchical);
-    EXPECT_NE(result.note.find(nameOf(start) + " cannot be made valid"), std::string::npos) << result.note;
+    EXPECT_NE(result.note.find(nameOf(start) + " cannot be made valid"), std::string::npos)
+        << result.note;
     EXPECT_NE(result.note.find("of 1924 faces stay flipped"), std::string::npos) << result.note;
   }
 }
@@ -186,8 +195,10 @@ std::vector<NamedMesh> spoiltMeshes() {
   Mesh asFloat = smooth;
   asFloat.vertices = (1e-30 * smooth.vertices).cast<float>().cast<double>();
   meshes.push_back({"tiny, stored as float", asFloat});
-  Mesh split = smooth;  // every tenth face is cut at the middle of an edge, so that a face there has no area
-  const Eigen::Index faces = smooth.faces.rows(), vertices = smooth.vertices.rows(), cuts = faces / 10;
+  Mesh split =
+      smooth;  // every tenth face is cut at the middle of an edge, so that a face there has no area
+  const Eigen::Index faces = smooth.faces.rows(), vertices = smooth.vertices.rows(),
+                     cuts = faces / 10;
   split.vertices.conservativeResize(vertices + cuts, 3);
   split.faces.conservativeResize(faces + 2 * cuts, 3);
   for (Eigen::Index i = 0; i < cuts; ++i) {
@@ -223,7 +234,9 @@ TEST(RootMap, RefusesAWeightOutsideItsRange) {
 
 TEST(RootMap, RefusesANegativeNumberOfThreads) {
   const Mesh mesh = icosahedron();
-  EXPECT_THROW(makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {InitialMap::Automatic, 0.9, -1}), ParameterError);
+  EXPECT_THROW(
+      makeRootMap(ClosedSurface(mesh.vertices, mesh.faces), {InitialMap::Automatic, 0.9, -1}),
+      ParameterError);
 }
 
 TEST(RootMap, ReportsProgress) {

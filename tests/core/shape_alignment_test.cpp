@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/shape_alignment.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/registration/shape_alignment.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,8 @@ using test::Mesh;
 
 /// A shape without symmetry: an ellipsoid with a bump beside each of two axes.
 Mesh bumpy(int frequency, unsigned seed) {
-  Mesh mesh = test::transformed(test::icosphereMesh(frequency), test::randomRotation(seed), 1, Vector3::Zero());
+  Mesh mesh = test::transformed(test::icosphereMesh(frequency), test::randomRotation(seed), 1,
+                                Vector3::Zero());
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     const Vector3 d = mesh.vertices.row(v).transpose();
     const double bumps = 0.5 * std::exp(-4 * (d - Vector3(0.6, 0.8, 0)).squaredNorm()) +
@@ -47,8 +49,8 @@ TEST(ShapeAlignment, DistanceIsZeroOnItselfAndSymmetric) {
 }
 
 TEST(ShapeAlignment, KnowsTheSphereByItsArea) {
-  const AlignedShape sphere(
-      surfaceOf(test::transformed(test::icosphereMesh(10), Eigen::Matrix3d::Identity(), 7, Vector3(1, 2, 3))));
+  const AlignedShape sphere(surfaceOf(test::transformed(
+      test::icosphereMesh(10), Eigen::Matrix3d::Identity(), 7, Vector3(1, 2, 3))));
   EXPECT_NEAR(sphere.radius(), 7, 0.05);
   EXPECT_LT((sphere.centre() - Vector3(1, 2, 3)).norm(), 1e-6);
   EXPECT_EQ(sphere.samples().rows(), 100);
@@ -57,18 +59,20 @@ TEST(ShapeAlignment, KnowsTheSphereByItsArea) {
 TEST(ShapeAlignment, NoPoseUndoesADifferenceOfVolumes) {
   const Mesh mesh = bumpy(10, 1);
   const AlignedShape shape(surfaceOf(mesh));
-  EXPECT_NEAR(leastShapeDistance(shape, shape), 0, 1e-12);
+  EXPECT_NEAR(minShapeDistance(shape, shape), 0, 1e-12);
   for (double scale : {0.8, 0.95, 1.3}) {
-    const AlignedShape other(surfaceOf(test::transformed(mesh, test::randomRotation(3), scale, Vector3(1, 2, 3))));
+    const AlignedShape other(
+        surfaceOf(test::transformed(mesh, test::randomRotation(3), scale, Vector3(1, 2, 3))));
     const double found = shapeDistance(other, shape, motionFromAnywhere(other, shape));
-    EXPECT_LT(leastShapeDistance(other, shape), found) << scale;
-    EXPECT_GT(leastShapeDistance(other, shape), 0.4 * found) << scale;  // it says something
-    EXPECT_EQ(leastShapeDistance(other, shape), leastShapeDistance(shape, other));
+    EXPECT_LT(minShapeDistance(other, shape), found) << scale;
+    EXPECT_GT(minShapeDistance(other, shape), 0.4 * found) << scale;  // it says something
+    EXPECT_EQ(minShapeDistance(other, shape), minShapeDistance(shape, other));
   }
 }
 
 TEST(ShapeAlignment, MirrorImagesDoNotFit) {
-  const AlignedShape shape(surfaceOf(bumpy(10, 1))), mirrored(surfaceOf(test::mirrored(bumpy(10, 1))));
+  const AlignedShape shape(surfaceOf(bumpy(10, 1))),
+      mirrored(surfaceOf(test::mirrored(bumpy(10, 1))));
   EXPECT_GT(shapeDistance(mirrored, shape, motionFromAnywhere(mirrored, shape)), 0.5);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/shape_model.h"
 
 #include <gtest/gtest.h>
@@ -24,13 +25,18 @@ TEST(ShapeModel, HasTheEigenvaluesOfTheCovariance) {
   ASSERT_EQ(model.modeCount(), 6);
   // By the definition: covariance of all 486 coordinates, divisor K - 1.
   Eigen::MatrixXd data(486, 7);
-  for (int k = 0; k < 7; ++k) data.col(k) = Eigen::Map<const VectorXd>(shapes[static_cast<size_t>(k)].data(), 486);
+  for (int k = 0; k < 7; ++k)
+    data.col(k) = Eigen::Map<const VectorXd>(shapes[static_cast<size_t>(k)].data(), 486);
   data.colwise() -= VectorXd(data.rowwise().mean());
   const Eigen::MatrixXd covariance = data * data.transpose() / 6;
-  const VectorXd expected = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).eigenvalues().reverse();
-  EXPECT_LT((model.eigenvalues - expected.head(6)).cwiseQuotient(expected.head(6)).cwiseAbs().maxCoeff(), 1e-10);
+  const VectorXd expected =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).eigenvalues().reverse();
+  EXPECT_LT(
+      (model.eigenvalues - expected.head(6)).cwiseQuotient(expected.head(6)).cwiseAbs().maxCoeff(),
+      1e-10);
   EXPECT_NEAR(model.totalVariance, covariance.trace(), 1e-9 * covariance.trace());
-  EXPECT_LT((covariance * model.modes - model.modes * model.eigenvalues.asDiagonal()).norm(), 1e-9 * expected[0]);
+  EXPECT_LT((covariance * model.modes - model.modes * model.eigenvalues.asDiagonal()).norm(),
+            1e-9 * expected[0]);
 }
 
 TEST(ShapeModel, ModesAreOrthonormalAndScoresUncorrelated) {
@@ -38,7 +44,8 @@ TEST(ShapeModel, ModesAreOrthonormalAndScoresUncorrelated) {
   const auto identity = Eigen::MatrixXd::Identity(8, 8);
   EXPECT_LT((model.modes.transpose() * model.modes - identity).norm(), 1e-12);
   const Eigen::MatrixXd covariance = model.scores.transpose() * model.scores / 8;
-  EXPECT_LT((covariance - Eigen::MatrixXd(model.eigenvalues.asDiagonal())).norm(), 1e-10 * model.eigenvalues[0]);
+  EXPECT_LT((covariance - Eigen::MatrixXd(model.eigenvalues.asDiagonal())).norm(),
+            1e-10 * model.eigenvalues[0]);
   EXPECT_LT(model.scores.colwise().sum().norm(), 1e-9);
 }
 
@@ -46,7 +53,8 @@ TEST(ShapeModel, RebuildsItsShapes) {
   const auto shapes = test::ellipsoids(6, 3);
   const ShapeModel model = modelOf(shapes);
   for (int k = 0; k < 6; ++k)
-    EXPECT_LT(largestDifference(model.shape(VectorXd(model.scores.row(k).transpose())), shapes[static_cast<size_t>(k)]),
+    EXPECT_LT(largestDifference(model.shape(VectorXd(model.scores.row(k).transpose())),
+                                shapes[static_cast<size_t>(k)]),
               1e-11);
   EXPECT_EQ(model.names[4], "shape 4");
 }
@@ -64,8 +72,10 @@ TEST(ShapeModel, OneModeInClosedForm) {
   const Points mode = Eigen::Map<const Points>(model.modes.data(), 162, 3);
   const double sign = mode.cwiseProduct(u).sum();
   EXPECT_NEAR(std::fabs(sign), 1, 1e-12);
-  for (int k = 0; k < 4; ++k) EXPECT_NEAR(sign * model.scores(k, 0), c[static_cast<size_t>(k)] - 2, 1e-10);
-  EXPECT_LT(largestDifference(model.shape(0, -3), model.mean - 3 * std::sqrt(46.0 / 3) * mode), 1e-12);
+  for (int k = 0; k < 4; ++k)
+    EXPECT_NEAR(sign * model.scores(k, 0), c[static_cast<size_t>(k)] - 2, 1e-10);
+  EXPECT_LT(largestDifference(model.shape(0, -3), model.mean - 3 * std::sqrt(46.0 / 3) * mode),
+            1e-12);
 }
 
 TEST(ShapeModel, SignsFollowTheLargestEntry) {
@@ -104,11 +114,13 @@ TEST(ShapeModel, IdenticalShapesHaveNoModes) {
 TEST(ShapeModel, MoreShapesThanCoordinates) {
   const auto tetrahedron = test::tetrahedron();
   std::vector<Points> shapes;
-  for (unsigned k = 0; k < 40; ++k) shapes.push_back(tetrahedron.vertices + 0.1 * test::randomDirection(4, k));
+  for (unsigned k = 0; k < 40; ++k)
+    shapes.push_back(tetrahedron.vertices + 0.1 * test::randomDirection(4, k));
   const ShapeModel model = buildShapeModel(test::trainingSet(shapes, tetrahedron.faces));
   EXPECT_EQ(model.modeCount(), 12);
   for (int k = 0; k < 40; ++k)
-    EXPECT_LT(largestDifference(model.shape(VectorXd(model.scores.row(k).transpose())), shapes[static_cast<size_t>(k)]),
+    EXPECT_LT(largestDifference(model.shape(VectorXd(model.scores.row(k).transpose())),
+                                shapes[static_cast<size_t>(k)]),
               1e-13);
 }
 

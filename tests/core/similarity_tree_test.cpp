@@ -1,4 +1,5 @@
-#include "vcg_ext/propagation/similarity_tree.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sequence/similarity_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -21,11 +22,12 @@ using test::Mesh;
 std::vector<ClosedSurface> family(const std::vector<int>& steps, bool turned) {
   std::vector<ClosedSurface> surfaces;
   for (size_t i = 0; i < steps.size(); ++i) {
-    Mesh mesh = test::transformed(test::icosphereMesh(9 + steps[i] % 3), test::randomRotation(50 + steps[i]), 1,
-                                  Vector3::Zero());
+    Mesh mesh = test::transformed(test::icosphereMesh(9 + steps[i] % 3),
+                                  test::randomRotation(50 + steps[i]), 1, Vector3::Zero());
     mesh.vertices *= Vector3(30 + 2 * steps[i], 20, 12).asDiagonal();
     const auto seed = static_cast<unsigned>(i);
-    const Eigen::Matrix3d rotation = turned ? test::randomRotation(seed) : Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d rotation =
+        turned ? test::randomRotation(seed) : Eigen::Matrix3d::Identity();
     surfaces.push_back(surfaceOf(test::transformed(mesh, rotation, 1, Vector3(i, 2, 3))));
   }
   return surfaces;
@@ -35,7 +37,8 @@ TEST(ShapeDistances, AreNothingBetweenMovedCopies) {
   const Mesh mesh = test::noisyEllipsoid(1);
   std::vector<ClosedSurface> copies{surfaceOf(mesh)};
   for (unsigned seed = 0; seed < 4; ++seed)
-    copies.push_back(surfaceOf(test::transformed(mesh, test::randomRotation(seed), 1, Vector3(seed, 100, -3))));
+    copies.push_back(
+        surfaceOf(test::transformed(mesh, test::randomRotation(seed), 1, Vector3(seed, 100, -3))));
   EXPECT_LT(shapeDistances(copies, pool).maxCoeff(), 1e-10);
 }
 
@@ -56,7 +59,8 @@ TEST(ShapeDistances, TurnWithNothing) {
   const std::vector<int> steps = {0, 3, 1, 5};
   const Eigen::MatrixXd here = shapeDistances(family(steps, false), pool),
                         there = shapeDistances(family(steps, true), pool);
-  EXPECT_LT((here - there).cwiseAbs().maxCoeff(), 0.15);  // another start may end a little elsewhere
+  EXPECT_LT((here - there).cwiseAbs().maxCoeff(),
+            0.15);  // another start may end a little elsewhere
 }
 
 TEST(ShapeDistances, AreTheSameEveryTime) {
@@ -65,7 +69,8 @@ TEST(ShapeDistances, AreTheSameEveryTime) {
 }
 
 TEST(ShapeDistances, OfTheSmallestMeshes) {
-  const std::vector<ClosedSurface> surfaces = {surfaceOf(test::tetrahedron()), surfaceOf(test::octahedron())};
+  const std::vector<ClosedSurface> surfaces = {surfaceOf(test::tetrahedron()),
+                                               surfaceOf(test::octahedron())};
   const Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
   EXPECT_TRUE(distances.allFinite());
   EXPECT_GT(distances(0, 1), 0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/slice_holes.h"
 
 #include <gtest/gtest.h>
@@ -15,17 +16,23 @@ Mask maskOf(const std::vector<std::vector<std::string>>& slices) {
   for (int k = 0; k < mask.size[2]; ++k)
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i)
-        mask(i, j, k) = slices[static_cast<size_t>(k)][static_cast<size_t>(j)][static_cast<size_t>(i)] == '#';
+        mask(i, j, k) =
+            slices[static_cast<size_t>(k)][static_cast<size_t>(j)][static_cast<size_t>(i)] == '#';
   return mask;
 }
 
-const std::vector<std::string> ring{"........", ".####...", ".#..#...", ".#..#...", ".####...", "........"};
+const std::vector<std::string> ring{"........", ".####...", ".#..#...",
+                                    ".#..#...", ".####...", "........"};
 const std::vector<std::string> moved{"........", "...####.", "...#..#.",
                                      "...#..#.", "...####.", "........"};  // by its width
-const std::vector<std::string> aside{"........", "..####..", "..#..#..", "..#..#..", "..####..", "........"};
-const std::vector<std::string> disc{"........", "........", "..##....", "..##....", "........", "........"};
-const std::vector<std::string> open{"........", ".####...", ".#......", ".#......", ".####...", "........"};
-const std::vector<std::string> diamond{"........", "...#....", "..#.#...", ".#...#..", "..#.#...", "...#...."};
+const std::vector<std::string> aside{"........", "..####..", "..#..#..",
+                                     "..#..#..", "..####..", "........"};
+const std::vector<std::string> disc{"........", "........", "..##....",
+                                    "..##....", "........", "........"};
+const std::vector<std::string> open{"........", ".####...", ".#......",
+                                    ".#......", ".####...", "........"};
+const std::vector<std::string> diamond{"........", "...#....", "..#.#...",
+                                       ".#...#..", "..#.#...", "...#...."};
 const std::vector<std::string> nothing(6, "........");
 
 TEST(SliceHoles, AreWhatTheSliceEncloses) {
@@ -44,7 +51,8 @@ TEST(SliceHoles, NeedNoWallThickerThanADiagonal) {
   mask(3, 5, 0) = 0;  // the border is outside
   EXPECT_FALSE(SliceHoles(mask).has(0));
   mask = Mask(Eigen::Vector3i(8, 7, 1));
-  for (const auto& [i, j] : {std::pair(3, 1), {2, 2}, {4, 2}, {1, 3}, {5, 3}, {2, 4}, {4, 4}, {3, 5}})
+  for (const auto& [i, j] :
+       {std::pair(3, 1), {2, 2}, {4, 2}, {1, 3}, {5, 3}, {2, 4}, {4, 4}, {3, 5}})
     mask(i, j, 0) = 1;
   const SliceHoles holes(mask);
   EXPECT_EQ(std::count(holes.holes().inside.begin(), holes.holes().inside.end(), 1), 5);

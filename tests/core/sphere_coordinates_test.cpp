@@ -1,4 +1,5 @@
-#include "vcg_ext/map/sphere_coordinates.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/sphere_coordinates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // How round a surface is.
 
 #include "vcg_ext/mesh/sphere_fit.h"
@@ -24,7 +25,8 @@ TEST(SphereFit, FindsSpheresOfAnySizeAndPlace) {
 
 TEST(SphereFit, FindsTheCentreFromUnevenPoints) {
   const Points sphere = test::icosphereMesh(6).vertices;
-  EXPECT_LT(deviationFromSphere(sphere.topRows(sphere.rows() / 3)), 1e-9) << "a cap, whose mean is not the centre";
+  EXPECT_LT(deviationFromSphere(sphere.topRows(sphere.rows() / 3)), 1e-9)
+      << "a cap, whose mean is not the centre";
 }
 
 TEST(SphereFit, SaysHowFarPointsAreOff) {

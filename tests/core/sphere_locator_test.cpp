@@ -1,4 +1,5 @@
-#include "vcg_ext/map/sphere_locator.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/sphere_locator.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +9,9 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/map/certificate.h"
-#include "vcg_ext/map/sphere_walk.h"
 #include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/sphere_walk.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -23,7 +24,9 @@ struct Located {
   explicit Located(const Mesh& mesh)
       : surface(mesh.vertices, mesh.faces), map(surface, mesh.vertices), locator(surface, map) {}
 
-  Vector3 at(const SurfacePoint& p) const { return p.interpolate(surface.faces(), map.positions()); }
+  Vector3 at(const SurfacePoint& p) const {
+    return p.interpolate(surface.faces(), map.positions());
+  }
 };
 
 void expectHit(const Located& sphere, const Vector3& direction, double tolerance = 1e-14) {
@@ -35,9 +38,11 @@ void expectHit(const Located& sphere, const Vector3& direction, double tolerance
 }
 
 TEST(SphereLocator, EveryVertexMidpointAndCentroid) {
-  for (const Mesh& mesh : {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(3), icosphereMesh(10)})
+  for (const Mesh& mesh :
+       {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(3), icosphereMesh(10)})
     for (const unsigned seed : {0U, 1U, 2U}) {
-      const Located sphere(seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero()));
+      const Located sphere(seed == 0 ? mesh
+                                     : transformed(mesh, randomRotation(seed), 1, Vector3::Zero()));
       for (int v = 0; v < sphere.surface.vertexCount(); ++v) {
         const Vector3 p = sphere.map.position(v);
         expectHit(sphere, p);
@@ -64,7 +69,8 @@ TEST(SphereLocator, AgreesWithBruteForce) {
     int hit = -1;
     for (int f = 0; f < sphere.surface.faceCount() && hit < 0; ++f) {
       Eigen::Matrix3d corners;
-      for (int k = 0; k < 3; ++k) corners.col(k) = sphere.map.position(sphere.surface.faces()(f, k));
+      for (int k = 0; k < 3; ++k)
+        corners.col(k) = sphere.map.position(sphere.surface.faces()(f, k));
       if ((corners.inverse() * p).minCoeff() >= 0) hit = f;
     }
     EXPECT_EQ(sphere.locator.locate(p).face, hit);
@@ -74,8 +80,8 @@ TEST(SphereLocator, AgreesWithBruteForce) {
 
 TEST(SphereLocator, AxesAndDirectionsBesideThem) {
   const double tiny = std::numeric_limits<double>::denorm_min();
-  for (const Mesh& mesh :
-       {octahedron(), icosphereMesh(4), transformed(octahedron(), randomRotation(9), 1, {0, 0, 0})}) {
+  for (const Mesh& mesh : {octahedron(), icosphereMesh(4),
+                           transformed(octahedron(), randomRotation(9), 1, {0, 0, 0})}) {
     const Located sphere(mesh);
     for (int axis = 0; axis < 3; ++axis)
       for (const double sign : {-1.0, 1.0})
@@ -112,12 +118,14 @@ TEST(SphereLocator, TinyAndHugeFaces) {
 
 TEST(SphereLocator, NearlyAHemisphere) {
   // A tetrahedron whose base is all but a hemisphere, and three thin faces beside the equator.
-  // The flat base passes the centre at that height: a rounding of its weights turns the direction by as much more.
+  // The flat base passes the centre at that height: a rounding of its weights turns the direction
+  // by as much more.
   for (const double height : {1e-3, 1e-7, 1e-10}) {
     Mesh mesh = tetrahedron();
     mesh.vertices.row(0) << 0, 0, -1;
     const double turn = 2 * 3.14159265358979323846 / 3;
-    for (int k = 0; k < 3; ++k) mesh.vertices.row(1 + k) << std::cos(turn * k), std::sin(turn * k), height;
+    for (int k = 0; k < 3; ++k)
+      mesh.vertices.row(1 + k) << std::cos(turn * k), std::sin(turn * k), height;
     mesh.vertices.rowwise().normalize();
     mesh.faces << 1, 2, 3, 0, 2, 1, 0, 3, 2, 0, 1, 3;
     const Located sphere(mesh);
@@ -126,7 +134,8 @@ TEST(SphereLocator, NearlyAHemisphere) {
     Random random(23);
     for (int i = 0; i < 500; ++i) expectHit(sphere, random.direction(), 2e-15 / height);
     for (int i = 0; i < 500; ++i)
-      expectHit(sphere, Vector3(random.normal(), random.normal(), height * random.normal()), 2e-15 / height);
+      expectHit(sphere, Vector3(random.normal(), random.normal(), height * random.normal()),
+                2e-15 / height);
   }
 }
 
@@ -161,8 +170,8 @@ TEST(SphereLocator, SmallestIndexAtAVertex) {
 
 TEST(SphereWalk, AnswersAsTheLocatorDoes) {
   Mesh turned = transformed(icosphereMesh(9), randomRotation(3), 1, Vector3::Zero());
-  for (const Mesh& mesh :
-       {octahedron(), icosphereMesh(10), turned, transformed(rings(1e-6), randomRotation(5), 1, {0, 0, 0})}) {
+  for (const Mesh& mesh : {octahedron(), icosphereMesh(10), turned,
+                           transformed(rings(1e-6), randomRotation(5), 1, {0, 0, 0})}) {
     const Located sphere(mesh);
     SphereWalk walk(sphere.surface, sphere.map);
     const auto expectSame = [&](const Vector3& p) {
@@ -170,8 +179,10 @@ TEST(SphereWalk, AnswersAsTheLocatorDoes) {
       EXPECT_EQ(found.face, expected.face);
       EXPECT_EQ(found.weights, expected.weights);  // bit for bit
     };
-    const Icosphere directions = icosphere(10);  // each near the one before; vertices, edges and faces of one mesh
-    for (Eigen::Index j = 0; j < directions.vertices.rows(); ++j) expectSame(directions.vertices.row(j).transpose());
+    const Icosphere directions =
+        icosphere(10);  // each near the one before; vertices, edges and faces of one mesh
+    for (Eigen::Index j = 0; j < directions.vertices.rows(); ++j)
+      expectSame(directions.vertices.row(j).transpose());
     Random random(7);
     for (int i = 0; i < 500; ++i) expectSame(3 * random.direction());  // from anywhere to anywhere
     EXPECT_THROW(walk.locate(Vector3::Zero()), ParameterError);
@@ -184,13 +195,15 @@ TEST(SphereWalk, EndsInTheFaceUnderTheDirection) {
   for (int i = 0; i < 300; ++i) {
     const Vector3 p = random.direction();
     const int start = random.index(sphere.surface.faceCount());
-    EXPECT_EQ(walkOverSphere(sphere.surface, sphere.map.positions(), p, start), sphere.locator.locate(p).face);
+    EXPECT_EQ(walkOverSphere(sphere.surface, sphere.map.positions(), p, start),
+              sphere.locator.locate(p).face);
   }
 }
 
 TEST(SphereLocator, NoDirection) {
   const Located sphere(octahedron());
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   for (const Vector3& p : {Vector3(0, 0, 0), Vector3(nan, 0, 1), Vector3(inf, 0, 0)})
     EXPECT_THROW(sphere.locator.locate(p), ParameterError);
 }

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/sphere_map.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/sphere_map.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,8 @@ MapError errorOf(const ClosedSurface& surface, const Points& positions) {
   try {
     const SphereMap map(surface, positions);
   } catch (const MapError& error) {
-    EXPECT_NE(std::string(error.what()).find("Layer \"phase 3\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("Layer \"phase 3\""), std::string::npos)
+        << error.what();
     return error;
   }
   ADD_FAILURE() << "the positions were accepted";
@@ -33,7 +35,8 @@ TEST(SphereMap, NamesWhatIsWrong) {
   const ClosedSurface surface(mesh.vertices, mesh.faces, "phase 3");
 
   const MapError few = errorOf(surface, mesh.vertices.topRows(41));
-  EXPECT_NE(std::string(few.what()).find("41 sphere positions for 42 vertices"), std::string::npos) << few.what();
+  EXPECT_NE(std::string(few.what()).find("41 sphere positions for 42 vertices"), std::string::npos)
+      << few.what();
 
   const MapError insideOut = errorOf(surface, -mesh.vertices);
   EXPECT_EQ(insideOut.count, 80);

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/sphere_pattern.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/display/sphere_pattern.h"
 
 #include <gtest/gtest.h>
 
@@ -11,19 +12,24 @@ namespace sphere_propagation::test {
 namespace {
 
 Vector3 at(double longitude, double colatitude) {
-  return {std::sin(colatitude) * std::cos(longitude), std::sin(colatitude) * std::sin(longitude), std::cos(colatitude)};
+  return {std::sin(colatitude) * std::cos(longitude), std::sin(colatitude) * std::sin(longitude),
+          std::cos(colatitude)};
 }
 
-Eigen::RowVector3i colorAt(const Vector3& position, double spacing, const SpherePatternParameters& parameters) {
+Eigen::RowVector3i colorAt(const Vector3& position, double spacing,
+                           const SpherePatternParameters& parameters) {
   Points points(1, 3);
   points.row(0) = position.transpose();
   return sphereColors(points, Eigen::VectorXd::Constant(1, spacing), parameters).row(0).cast<int>();
 }
 
-/// How dark a field of the checkerboard is against the colour that it has without fields: 1 light, 0.5 dark.
+/// How dark a field of the checkerboard is against the colour that it has without fields: 1 light,
+/// 0.5 dark.
 double shade(const Vector3& position, double spacing, int cells) {
-  const Eigen::RowVector3i patterned = colorAt(position, spacing, {SpherePattern::Checkerboard, cells});
-  const Eigen::RowVector3i mean = colorAt(position, 1e3, {SpherePattern::Checkerboard, cells});  // 0.75
+  const Eigen::RowVector3i patterned =
+      colorAt(position, spacing, {SpherePattern::Checkerboard, cells});
+  const Eigen::RowVector3i mean =
+      colorAt(position, 1e3, {SpherePattern::Checkerboard, cells});  // 0.75
   return 0.75 * patterned.sum() / mean.sum();
 }
 
@@ -35,8 +41,10 @@ TEST(SpherePattern, TheCheckerboardHasItsFields) {
     for (int i = 0; i < parameters.around(); ++i)
       for (int j = 0; j < cells; ++j)
         for (const double inside : {0.03, 0.5, 0.97}) {
-          const Vector3 p = at(2 * pi * (i + inside) / parameters.around(), pi * (j + inside) / cells);
-          EXPECT_NEAR(shade(p, 0, cells), (i + j) % 2 == 0 ? 1 : 0.5, 0.02) << cells << ": " << i << ", " << j;
+          const Vector3 p =
+              at(2 * pi * (i + inside) / parameters.around(), pi * (j + inside) / cells);
+          EXPECT_NEAR(shade(p, 0, cells), (i + j) % 2 == 0 ? 1 : 0.5, 0.02)
+              << cells << ": " << i << ", " << j;
         }
   }
 }
@@ -50,8 +58,9 @@ TEST(SpherePattern, EdgesAreHalfWayBetweenTheirFields) {
 }
 
 TEST(SpherePattern, InterpolatedColorsChangeWhereTheEdgeIs) {
-  // Two neighbours on the equator with the edge somewhere between them: where their interpolated shade is 0.75 is off
-  // by less than an eighth of their distance. Without blending it would be off by up to a half.
+  // Two neighbours on the equator with the edge somewhere between them: where their interpolated
+  // shade is 0.75 is off by less than an eighth of their distance. Without blending it would be off
+  // by up to a half.
   const double spacing = 0.06, edge = 2 * pi / 12;
   for (double offset = 0.02; offset < 1; offset += 0.04) {
     const double before = shade(at(edge - offset * spacing, pi * 4.5 / 8), spacing, 8);
@@ -64,16 +73,20 @@ TEST(SpherePattern, InterpolatedColorsChangeWhereTheEdgeIs) {
 TEST(SpherePattern, WhatIsTooFineForAMeshBecomesItsMean) {
   // Fields of 1.8 degrees at vertices 10 degrees apart.
   Random random(5);
-  for (int i = 0; i < 50; ++i) EXPECT_NEAR(shade(random.direction(), 10 * pi / 180, 100), 0.75, 0.05);
+  for (int i = 0; i < 50; ++i)
+    EXPECT_NEAR(shade(random.direction(), 10 * pi / 180, 100), 0.75, 0.05);
 }
 
 TEST(SpherePattern, AllMeridiansMeetInTheColorOfThePole) {
-  for (const SpherePattern pattern : {SpherePattern::Checkerboard, SpherePattern::Graticule, SpherePattern::Direction})
+  for (const SpherePattern pattern :
+       {SpherePattern::Checkerboard, SpherePattern::Graticule, SpherePattern::Direction})
     for (const double colatitude : {0.0, pi}) {
       const Eigen::RowVector3i pole = colorAt(at(0, colatitude), 0.05, {pattern, 8});
       for (int i = 0; i < 24; ++i) {
-        const Eigen::RowVector3i near = colorAt(at(2 * pi * i / 24, std::fabs(colatitude - 1e-6)), 0.05, {pattern, 8});
-        EXPECT_LE((near - pole).cwiseAbs().maxCoeff(), 1) << static_cast<int>(pattern) << ", meridian " << i;
+        const Eigen::RowVector3i near =
+            colorAt(at(2 * pi * i / 24, std::fabs(colatitude - 1e-6)), 0.05, {pattern, 8});
+        EXPECT_LE((near - pole).cwiseAbs().maxCoeff(), 1)
+            << static_cast<int>(pattern) << ", meridian " << i;
       }
     }
   const SpherePatternParameters direction{SpherePattern::Direction, 8};
@@ -89,7 +102,10 @@ TEST(SpherePattern, DirectionsDifferAndHaveNoEdges) {
   }
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < i; ++j)
-      EXPECT_GT((colorAt(at(i * pi / 6, 1.4), 0, direction) - colorAt(at(j * pi / 6, 1.4), 0, direction)).norm(), 30);
+      EXPECT_GT(
+          (colorAt(at(i * pi / 6, 1.4), 0, direction) - colorAt(at(j * pi / 6, 1.4), 0, direction))
+              .norm(),
+          30);
 }
 
 TEST(SpherePattern, TheGraticuleHasBlackZeroLinesAndWhiteFields) {
@@ -107,7 +123,10 @@ TEST(SpherePattern, TheGraticuleHasBlackZeroLinesAndWhiteFields) {
     }
     EXPECT_EQ(lines, graticule.around());
     for (int i = 0; i < graticule.around(); ++i)
-      EXPECT_GT(colorAt(at(2 * pi * (i + 0.5) / graticule.around(), pi * 3.5 / 8), spacing, graticule).minCoeff(), 240);
+      EXPECT_GT(
+          colorAt(at(2 * pi * (i + 0.5) / graticule.around(), pi * 3.5 / 8), spacing, graticule)
+              .minCoeff(),
+          240);
   }
 }
 
@@ -118,21 +137,23 @@ TEST(SpherePattern, StripesAreAsWideAsTheVerticesAreApart) {
   for (double offset = 0; offset < 1; offset += 0.1) {
     int darkest = 255;
     for (int i = -2; i <= 2; ++i)
-      darkest = std::min(darkest, colorAt(at(1, pi / 2 + (i + offset) * spacing), spacing, graticule).maxCoeff());
+      darkest = std::min(
+          darkest, colorAt(at(1, pi / 2 + (i + offset) * spacing), spacing, graticule).maxCoeff());
     EXPECT_LT(darkest, 130);
   }
 }
 
 TEST(SpherePattern, RefusesCellsOutOfRange) {
-  for (const int cells : {-1, 0, 1, mostPatternCells + 1})
+  for (const int cells : {-1, 0, 1, maxPatternCells + 1})
     EXPECT_THROW(colorAt({0, 0, 1}, 0, {SpherePattern::Checkerboard, cells}), ParameterError);
-  EXPECT_NO_THROW(colorAt({0, 0, 1}, 0, {SpherePattern::Checkerboard, mostPatternCells}));
+  EXPECT_NO_THROW(colorAt({0, 0, 1}, 0, {SpherePattern::Checkerboard, maxPatternCells}));
 }
 
 TEST(SpherePattern, SpacingIsTheMeanEdge) {
   const Mesh octa = octahedron(), tetra = tetrahedron();
   EXPECT_TRUE(sphereSpacing(octa.vertices, octa.faces).isApproxToConstant(pi / 2, 1e-14));
-  EXPECT_TRUE(sphereSpacing(tetra.vertices, tetra.faces).isApproxToConstant(std::acos(-1.0 / 3), 1e-14));
+  EXPECT_TRUE(
+      sphereSpacing(tetra.vertices, tetra.faces).isApproxToConstant(std::acos(-1.0 / 3), 1e-14));
 }
 
 TEST(SpherePattern, AreaRatiosAreGreyAtOneAndSymmetricInTheLogarithm) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/surface_locator.h"
 
 #include <gtest/gtest.h>
@@ -14,10 +15,12 @@
 namespace sphere_propagation::test {
 namespace {
 
-Vector3 corner(const Mesh& mesh, Eigen::Index f, int k) { return mesh.vertices.row(mesh.faces(f, k)).transpose(); }
+Vector3 corner(const Mesh& mesh, Eigen::Index f, int k) {
+  return mesh.vertices.row(mesh.faces(f, k)).transpose();
+}
 
-/// Distance from x to a triangle by its definition, without regions: inside the prism over it the distance to the
-/// plane, else to the nearest side.
+/// Distance from x to a triangle by its definition, without regions: inside the prism over it the
+/// distance to the plane, else to the nearest side.
 double distanceToTriangle(const Vector3& x, const Vector3& a, const Vector3& b, const Vector3& c) {
   const auto toSegment = [&](const Vector3& p, const Vector3& q) {
     const double length = (q - p).squaredNorm();
@@ -25,15 +28,19 @@ double distanceToTriangle(const Vector3& x, const Vector3& a, const Vector3& b, 
     return (x - p - t * (q - p)).norm();
   };
   const Vector3 n = (b - a).cross(c - a);
-  const auto leftOf = [&](const Vector3& p, const Vector3& q) { return n.dot((q - p).cross(x - p)) >= 0; };
-  if (n.norm() > 0 && leftOf(a, b) && leftOf(b, c) && leftOf(c, a)) return std::fabs(n.normalized().dot(x - a));
+  const auto leftOf = [&](const Vector3& p, const Vector3& q) {
+    return n.dot((q - p).cross(x - p)) >= 0;
+  };
+  if (n.norm() > 0 && leftOf(a, b) && leftOf(b, c) && leftOf(c, a))
+    return std::fabs(n.normalized().dot(x - a));
   return std::min({toSegment(a, b), toSegment(b, c), toSegment(c, a)});
 }
 
 double distanceToMesh(const Vector3& x, const Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    least = std::min(least, distanceToTriangle(x, corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2)));
+    least = std::min(
+        least, distanceToTriangle(x, corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2)));
   return least;
 }
 
@@ -46,7 +53,8 @@ void expectProper(const SurfacePoint& found, const Mesh& mesh, const Vector3& x,
 }
 
 TEST(SurfaceLocator, AgreesWithBruteForce) {
-  for (const Mesh& mesh : {tetrahedron(), octahedron(), noisyEllipsoid(3), torus(), withZeroAreaFace(), openCone()}) {
+  for (const Mesh& mesh :
+       {tetrahedron(), octahedron(), noisyEllipsoid(3), torus(), withZeroAreaFace(), openCone()}) {
     const SurfaceLocator locator(mesh.vertices, mesh.faces);
     const double size = mesh.vertices.cwiseAbs().maxCoeff();
     Random random(7);
@@ -124,7 +132,8 @@ TEST(SurfaceLocator, TrianglesWithoutArea) {
     EXPECT_NEAR(middle.distance, 5, 1e-12);
     EXPECT_LT((middle.interpolate(faces, vertices) - Vector3(2, 0, 0)).norm(), 1e-12);
     EXPECT_NEAR(end.distance, 5, 1e-12);
-    EXPECT_EQ(locator.closest({2, 3, 4}, {0, 0, 1}, -1).face, -1);  // agrees with no direction, not even any
+    EXPECT_EQ(locator.closest({2, 3, 4}, {0, 0, 1}, -1).face,
+              -1);  // agrees with no direction, not even any
   }
   faces << 3, 4, 5;
   const SurfacePoint point = SurfaceLocator(vertices, faces).closest({5, 5, 8});
@@ -157,18 +166,19 @@ TEST(SurfaceLocator, OnlyFacesThatAgreeWithTheDirection) {
   Random random(11);
   for (int i = 0; i < 300; ++i) {
     const Vector3 x = random.direction() * random.uniform(0, 40), direction = random.direction();
-    const double leastCosine = random.uniform(-1, 1);
+    const double minCosine = random.uniform(-1, 1);
     double least = std::numeric_limits<double>::infinity();
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-      if (normals.row(f).dot(direction) >= leastCosine)
-        least = std::min(least, distanceToTriangle(x, corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2)));
-    const SurfacePoint found = locator.closest(x, direction, leastCosine);
+      if (normals.row(f).dot(direction) >= minCosine)
+        least = std::min(least, distanceToTriangle(x, corner(mesh, f, 0), corner(mesh, f, 1),
+                                                   corner(mesh, f, 2)));
+    const SurfacePoint found = locator.closest(x, direction, minCosine);
     if (std::isinf(least)) {
       EXPECT_EQ(found.face, -1);
       continue;
     }
     expectProper(found, mesh, x, 1e-12);
-    EXPECT_GE(normals.row(found.face).dot(direction), leastCosine - 1e-15);
+    EXPECT_GE(normals.row(found.face).dot(direction), minCosine - 1e-15);
     EXPECT_NEAR(found.distance, least, 1e-12);
   }
   EXPECT_EQ(locator.closest({0, 0, 0}, {0, 0, 1}, 1.5).face, -1);
@@ -183,7 +193,8 @@ TEST(SurfaceLocator, WhereItLooksFirstChangesNothing) {
     const int near = random.index(static_cast<int>(mesh.faces.rows()));
     EXPECT_EQ(locator.closest(x, near).face, locator.closest(x).face);
     EXPECT_EQ(locator.closest(x, near).weights, locator.closest(x).weights);
-    EXPECT_EQ(locator.closest(x, direction, 0.5, near).face, locator.closest(x, direction, 0.5).face);
+    EXPECT_EQ(locator.closest(x, direction, 0.5, near).face,
+              locator.closest(x, direction, 0.5).face);
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "tests/core/test_meshes.h"
 
 #include <Eigen/Geometry>
@@ -66,18 +67,20 @@ Mesh icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   Mesh mesh;
   mesh.vertices.resize(12, 3);
-  mesh.vertices << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1,
-      -g, 0, -1, -g, 0, 1;
+  mesh.vertices << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g,
+      g, 0, -1, g, 0, 1, -g, 0, -1, -g, 0, 1;
   mesh.vertices.rowwise().normalize();
   mesh.faces.resize(20, 3);
-  mesh.faces << 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3, 9,
-      4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1;
+  mesh.faces << 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10,
+      7, 6, 7, 1, 8, 3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6,
+      7, 9, 8, 1;
   return mesh;
 }
 
 Mesh icosphereMesh(int frequency) {
   const Mesh base = icosahedron();
-  std::map<std::vector<std::pair<int, int>>, int> known;  // (corner, weight) pairs of non-zero weight -> vertex
+  std::map<std::vector<std::pair<int, int>>, int>
+      known;  // (corner, weight) pairs of non-zero weight -> vertex
   std::vector<Vector3> vertices;
   std::vector<Eigen::RowVector3i> faces;
   for (int f = 0; f < 20; ++f) {
@@ -97,7 +100,8 @@ Mesh icosphereMesh(int frequency) {
     for (int i = 0; i < frequency; ++i)
       for (int j = 0; i + j < frequency; ++j) {
         faces.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i, j + 1));
-        if (i + j + 1 < frequency) faces.emplace_back(vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+        if (i + j + 1 < frequency)
+          faces.emplace_back(vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1));
       }
   }
   Mesh mesh;
@@ -118,7 +122,8 @@ Mesh ellipsoid(double a, double b, double c, int frequency) {
 Mesh noisyEllipsoid(unsigned seed) {
   Mesh mesh = ellipsoid(30, 20, 15, 8);
   Random random(seed);
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) mesh.vertices.row(v) *= 1 + 0.03 * random.normal();
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+    mesh.vertices.row(v) *= 1 + 0.03 * random.normal();
   return transformed(std::move(mesh), randomRotation(seed + 1000), 1, Vector3::Zero());
 }
 
@@ -148,10 +153,11 @@ Mesh rings(double least) {
   mesh.vertices.row(south) << 0, 0, -1;
   for (int ring = 0; ring < count; ++ring)
     for (int i = 0; i < sides; ++i) {
-      const double colatitude = std::ldexp(least, ring), longitude = (i + 0.5 * ring) * 2 * pi / sides;
+      const double colatitude = std::ldexp(least, ring),
+                   longitude = (i + 0.5 * ring) * 2 * pi / sides;
       const double across = std::sin(colatitude);
-      mesh.vertices.row(1 + sides * ring + i) << across * std::cos(longitude), across * std::sin(longitude),
-          std::cos(colatitude);
+      mesh.vertices.row(1 + sides * ring + i) << across * std::cos(longitude),
+          across * std::sin(longitude), std::cos(colatitude);
       const int next = (i + 1) % sides, below = 1 + sides * ring, above = below - sides;
       if (ring == 0) {
         append(mesh, 0, 1 + i, 1 + next);
@@ -160,14 +166,16 @@ Mesh rings(double least) {
         append(mesh, above + next, below + i, below + next);
       }
     }
-  for (int i = 0; i < sides; ++i) append(mesh, south, south - sides + (i + 1) % sides, south - sides + i);
+  for (int i = 0; i < sides; ++i)
+    append(mesh, south, south - sides + (i + 1) % sides, south - sides + i);
   return mesh;
 }
 
 Mesh cup(double thickness, int around, int along) {
   constexpr double depth = 1.2;
-  constexpr int rim = 2;         // rings between the outer and the inner edge
-  std::vector<Vector2> profile;  // radius and height, from the outer apex over the rim to the inner one
+  constexpr int rim = 2;  // rings between the outer and the inner edge
+  std::vector<Vector2>
+      profile;  // radius and height, from the outer apex over the rim to the inner one
   const double inner = 1 - thickness;
   for (int i = 1; i <= along; ++i) {
     const double angle = pi / 2 * i / along;
@@ -186,15 +194,17 @@ Mesh cup(double thickness, int around, int along) {
   const auto vertex = [&](int ring, int i) { return 2 + ring * around + i % around; };
   for (int ring = 0; ring < count; ++ring)
     for (int i = 0; i < around; ++i) {
-      const double angle = 2 * pi * (i + 0.5 * (ring % 2)) / around;  // every other ring turned by half a side
-      mesh.vertices.row(vertex(ring, i)) << profile[ring][0] * std::cos(angle), profile[ring][0] * std::sin(angle),
-          profile[ring][1];
+      const double angle =
+          2 * pi * (i + 0.5 * (ring % 2)) / around;  // every other ring turned by half a side
+      mesh.vertices.row(vertex(ring, i)) << profile[ring][0] * std::cos(angle),
+          profile[ring][0] * std::sin(angle), profile[ring][1];
     }
   for (int i = 0; i < around; ++i) {
     append(mesh, 0, vertex(0, i + 1), vertex(0, i));
     append(mesh, 1, vertex(count - 1, i), vertex(count - 1, i + 1));
     for (int ring = 0; ring + 1 < count; ++ring) {
-      const int a = vertex(ring, i), b = vertex(ring, i + 1), c = vertex(ring + 1, i), d = vertex(ring + 1, i + 1);
+      const int a = vertex(ring, i), b = vertex(ring, i + 1), c = vertex(ring + 1, i),
+                d = vertex(ring + 1, i + 1);
       if (ring % 2 == 0) {
         append(mesh, a, b, c);
         append(mesh, b, d, c);
@@ -221,7 +231,8 @@ Mesh box(int n) {
             if (fresh) append(mesh, Vector3(p[0], p[1], p[2]) / n);
             return at->second;
           };
-          const int a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+          const int a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1),
+                    d = vertex(i, j + 1);
           append(mesh, a, side == 1 ? b : c, side == 1 ? c : b);
           append(mesh, a, side == 1 ? c : d, side == 1 ? d : c);
         }
@@ -236,7 +247,8 @@ Mesh tetrapod(int segments) {
         (mesh.vertices.row(base[0]) + mesh.vertices.row(base[1]) + mesh.vertices.row(base[2])) / 3;
     for (int segment = 0; segment < segments; ++segment) {
       const int first = static_cast<int>(mesh.vertices.rows());
-      for (int k = 0; k < 3; ++k) append(mesh, (mesh.vertices.row(base[k]) + 4 * outward).transpose());
+      for (int k = 0; k < 3; ++k)
+        append(mesh, (mesh.vertices.row(base[k]) + 4 * outward).transpose());
       for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
         append(mesh, base[k], base[l], first + l);
@@ -251,7 +263,8 @@ Mesh tetrapod(int segments) {
 
 Mesh withZeroAreaFace() {
   Mesh mesh = octahedron();
-  append(mesh, {0.5, 0.5, 0});   // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone
+  append(mesh,
+         {0.5, 0.5, 0});  // the middle of the edge (0, 2), made part of face 0 = (0, 2, 4) alone
   mesh.faces.row(0) << 0, 2, 6;  // no area
   append(mesh, 2, 4, 6);
   append(mesh, 4, 0, 6);
@@ -365,13 +378,19 @@ Mesh stretched(Mesh mesh, double x, double y, double z) {
   return mesh;
 }
 
-Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation) {
-  mesh.vertices = ((scale * (mesh.vertices * rotation.transpose())).rowwise() + translation.transpose()).eval();
+Mesh transformed(Mesh mesh, const Eigen::Matrix3d& rotation, double scale,
+                 const Vector3& translation) {
+  mesh.vertices =
+      ((scale * (mesh.vertices * rotation.transpose())).rowwise() + translation.transpose()).eval();
   return mesh;
 }
 
-ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name) { return {mesh.vertices, mesh.faces, name}; }
+ClosedSurface surfaceOf(const Mesh& mesh, const std::string& name) {
+  return {mesh.vertices, mesh.faces, name};
+}
 
-double largestDistance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
+double largestDistance(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
 
 }  // namespace sphere_propagation::test

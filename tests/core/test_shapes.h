@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Sets of corresponding shapes for the tests of the shape model.
 
@@ -13,17 +14,20 @@ namespace sphere_propagation::test {
 
 inline TrainingSet trainingSet(const std::vector<Points>& shapes, const Triangles& faces) {
   std::vector<TrainingSet::Shape> named;
-  for (size_t k = 0; k < shapes.size(); ++k) named.push_back({"shape " + std::to_string(k), shapes[k]});
+  for (size_t k = 0; k < shapes.size(); ++k)
+    named.push_back({"shape " + std::to_string(k), shapes[k]});
   return {std::move(named), faces};
 }
 
-/// Ellipsoids of 162 landmarks with random axes about (30, 20, 15) and a little noise, all in one pose.
+/// Ellipsoids of 162 landmarks with random axes about (30, 20, 15) and a little noise, all in one
+/// pose.
 inline std::vector<Points> ellipsoids(int count, unsigned seed, double noise = 0.2) {
   Random random(seed);
   const Mesh sphere = icosphereMesh(4);
   std::vector<Points> shapes;
   for (int k = 0; k < count; ++k) {
-    const Mesh mesh = stretched(sphere, 30 + 2 * random.normal(), 20 + 2 * random.normal(), 15 + 1 * random.normal());
+    const Mesh mesh = stretched(sphere, 30 + 2 * random.normal(), 20 + 2 * random.normal(),
+                                15 + 1 * random.normal());
     Points points = mesh.vertices;
     for (Eigen::Index i = 0; i < points.size(); ++i) points.data()[i] += noise * random.normal();
     shapes.push_back(points);
@@ -33,7 +37,8 @@ inline std::vector<Points> ellipsoids(int count, unsigned seed, double noise = 0
 
 inline Triangles ellipsoidFaces() { return icosphereMesh(4).faces; }
 
-inline Points moved(const Points& points, const Eigen::Matrix3d& rotation, double scale, const Vector3& translation) {
+inline Points moved(const Points& points, const Eigen::Matrix3d& rotation, double scale,
+                    const Vector3& translation) {
   return (scale * points * rotation.transpose()).rowwise() + translation.transpose();
 }
 

@@ -1,11 +1,12 @@
-#include "vcg_ext/map/texture_copy.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/repair/texture_copy.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -32,11 +33,12 @@ Copied throughTexture(const Mesh& mesh) {
 }
 
 TEST(TextureCopy, OrdinaryMapsNeedNoMending) {
-  // The octahedron has vertices at both poles and on longitude 0; the turned spheres have edges across it.
+  // The octahedron has vertices at both poles and on longitude 0; the turned spheres have edges
+  // across it.
   for (const Mesh& mesh : {octahedron(), icosahedron(), icosphereMesh(10), bipyramid(7)})
     for (unsigned seed = 0; seed < 4; ++seed) {
-      const Copied copied =
-          throughTexture(seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero()));
+      const Copied copied = throughTexture(
+          seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero()));
       EXPECT_TRUE(copied.copy.valid);
       EXPECT_EQ(copied.copy.mendedVertices, 0);
       EXPECT_LT(copied.farthest, 4e-7);
@@ -63,7 +65,8 @@ TEST(TextureCopy, TinyFacesAtThePoleKeepTheirDigits) {
 }
 
 TEST(TextureCopy, MendsWhatRoundingFlips) {
-  // Elsewhere floats are up to 4e-7 apart: rounding flips faces no larger than that, and moving vertices mends most.
+  // Elsewhere floats are up to 4e-7 apart: rounding flips faces no larger than that, and moving
+  // vertices mends most.
   int mended = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Mesh mesh = transformed(rings(2.5e-7), randomRotation(seed), 1, Vector3::Zero());
@@ -78,7 +81,8 @@ TEST(TextureCopy, MendsWhatRoundingFlips) {
 TEST(TextureCopy, SaysWhenFloatsCannotHoldTheMap) {
   int invalid = 0;  // throughTexture compares the answer with the certificate of what is read back
   for (unsigned seed = 0; seed < 20; ++seed)
-    invalid += !throughTexture(transformed(rings(1.7e-7), randomRotation(seed), 1, Vector3::Zero())).copy.valid;
+    invalid += !throughTexture(transformed(rings(1.7e-7), randomRotation(seed), 1, Vector3::Zero()))
+                    .copy.valid;
   EXPECT_GT(invalid, 0);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/base/thread_pool.h"
 
 #include <gtest/gtest.h>

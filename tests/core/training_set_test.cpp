@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/training_set.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,9 @@ std::string refusal(const std::vector<TrainingSet::Shape>& shapes, const Triangl
   return "";
 }
 
-bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+bool contains(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
 
 TEST(TrainingSet, KeepsWhatItIsGiven) {
   const auto mesh = test::icosahedron();
@@ -32,8 +35,10 @@ TEST(TrainingSet, KeepsWhatItIsGiven) {
 
 TEST(TrainingSet, NamesTheShapesThatDoNotCorrespond) {
   const auto small = test::octahedron(), large = test::icosahedron();
-  const std::string text = refusal({{"a", large.vertices}, {"b", large.vertices}, {"c", small.vertices}}, large.faces);
-  for (const char* words : {"\"a\"", "\"c\"", "12", "6"}) EXPECT_TRUE(contains(text, words)) << text;
+  const std::string text =
+      refusal({{"a", large.vertices}, {"b", large.vertices}, {"c", small.vertices}}, large.faces);
+  for (const char* words : {"\"a\"", "\"c\"", "12", "6"})
+    EXPECT_TRUE(contains(text, words)) << text;
   EXPECT_FALSE(contains(text, "\"b\"")) << text;
 }
 
@@ -41,7 +46,8 @@ TEST(TrainingSet, NeedsTwoShapes) {
   const auto mesh = test::icosahedron();
   EXPECT_TRUE(contains(refusal({}, mesh.faces), "at least two"));
   EXPECT_TRUE(contains(refusal({{"only", mesh.vertices}}, mesh.faces), "\"only\""));
-  EXPECT_TRUE(contains(refusal({{"a", Points(0, 3)}, {"b", Points(0, 3)}}, Triangles(0, 3)), "no landmarks"));
+  EXPECT_TRUE(contains(refusal({{"a", Points(0, 3)}, {"b", Points(0, 3)}}, Triangles(0, 3)),
+                       "no landmarks"));
 }
 
 TEST(TrainingSet, CountsWhatIsNotFinite) {
@@ -50,7 +56,8 @@ TEST(TrainingSet, CountsWhatIsNotFinite) {
   bad(7, 1) = std::numeric_limits<double>::quiet_NaN();
   bad(9, 0) = bad(9, 2) = std::numeric_limits<double>::infinity();
   const std::string text = refusal({{"good", mesh.vertices}, {"bad", bad}}, mesh.faces);
-  for (const char* words : {"\"bad\"", "2 landmarks", "landmark 7"}) EXPECT_TRUE(contains(text, words)) << text;
+  for (const char* words : {"\"bad\"", "2 landmarks", "landmark 7"})
+    EXPECT_TRUE(contains(text, words)) << text;
 }
 
 TEST(TrainingSet, RefusesFacesOfLandmarksThatAreNotThere) {

@@ -1,4 +1,5 @@
-#include "vcg_ext/map/untangling.h"
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/repair/untangling.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
-#include "vcg_ext/map/certificate.h"
+#include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -36,7 +37,8 @@ TEST(Untangling, LeavesAMapAsItIs) {
 TEST(Untangling, BringsPositionsOfAnyLengthToTheSphere) {
   const Mesh mesh = icosphereMesh(3);
   Points positions = mesh.vertices;
-  for (Eigen::Index v = 0; v < positions.rows(); ++v) positions.row(v) *= std::pow(10.0, v % 20 - 10);
+  for (Eigen::Index v = 0; v < positions.rows(); ++v)
+    positions.row(v) *= std::pow(10.0, v % 20 - 10);
   const Untangled result = untangle(ClosedSurface(mesh.vertices, mesh.faces), positions);
   EXPECT_EQ(result.repairedFaces, 0);
   EXPECT_LT((result.map.positions() - mesh.vertices).cwiseAbs().maxCoeff(), 1e-14);
@@ -102,7 +104,8 @@ TEST(Untangling, FindsAPlaceForPositionsThatAreNoNumbers) {
   const Mesh mesh = icosphereMesh(8);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Points positions = mesh.vertices;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                   infinity = std::numeric_limits<double>::infinity();
   positions.row(10).setConstant(nan);
   positions(200, 1) = nan;
   positions(300, 2) = -infinity;
@@ -137,7 +140,8 @@ TEST(Untangling, RefusesAMapThatCoversTheSphereTwice) {
   const Mesh mesh = bipyramid(8);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Points positions = mesh.vertices;
-  for (int i = 0; i < 8; ++i) positions.row(2 + i) << std::cos(i * std::acos(0.0)), std::sin(i * std::acos(0.0)), 0;
+  for (int i = 0; i < 8; ++i)
+    positions.row(2 + i) << std::cos(i * std::acos(0.0)), std::sin(i * std::acos(0.0)), 0;
   ASSERT_EQ(certify(mesh.faces, positions).flippedFaces, 0);
   EXPECT_THROW(untangle(surface, positions), MapError);
 }

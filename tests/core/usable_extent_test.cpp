@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // Surfaces that are spheres topologically, but with which nothing can be computed.
 
 #include "vcg_ext/mesh/usable_extent.h"
@@ -26,7 +27,8 @@ std::optional<SurfaceError> refusal(const Points& vertices, const Triangles& fac
 
 std::optional<SurfaceError> refusalOfEllipsoid(double a, double b, double c, double shift = 0) {
   const test::Mesh mesh = test::ellipsoid(a, b, c);
-  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
   const Points turned = (mesh.vertices * rotation.transpose()).array() + shift;
   return refusal(turned, mesh.faces);
 }
@@ -48,12 +50,15 @@ TEST(UsableExtent, RefusesFlatSurfacesInAnyPosition) {
       const auto error = refusalOfEllipsoid(30, 20, thickness, shift);
       ASSERT_TRUE(error) << thickness << ", " << shift;
       EXPECT_EQ(error->defect, Defect::Flat);
-      EXPECT_NE(std::string(error->what()).find("Layer \"a layer\": it is flat"), std::string::npos);
+      EXPECT_NE(std::string(error->what()).find("Layer \"a layer\": it is flat"),
+                std::string::npos);
     }
   // Flattened by a matrix of floats.
   const test::Mesh mesh = test::ellipsoid(30, 20, 10);
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
-  const Eigen::Matrix3f flattening = (turn * Vector3(1, 1, 0).asDiagonal() * turn.transpose()).cast<float>();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::Matrix3f flattening =
+      (turn * Vector3(1, 1, 0).asDiagonal() * turn.transpose()).cast<float>();
   const Points vertices = mesh.vertices * flattening.cast<double>().transpose();
   const auto error = refusal(vertices, mesh.faces);
   ASSERT_TRUE(error);

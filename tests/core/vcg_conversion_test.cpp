@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/vcg_conversion.h"
 
 #include <gtest/gtest.h>
@@ -14,15 +15,18 @@ namespace {
 
 class FloatVertex;
 class FloatFace;
-struct FloatTypes : vcg::UsedTypes<vcg::Use<FloatVertex>::AsVertexType, vcg::Use<FloatFace>::AsFaceType> {};
+struct FloatTypes
+    : vcg::UsedTypes<vcg::Use<FloatVertex>::AsVertexType, vcg::Use<FloatFace>::AsFaceType> {};
 class FloatVertex : public vcg::Vertex<FloatTypes, vcg::vertex::Coord3f, vcg::vertex::BitFlags> {};
 class FloatFace : public vcg::Face<FloatTypes, vcg::face::VertexRef, vcg::face::BitFlags> {};
 class FloatMesh : public vcg::tri::TriMesh<std::vector<FloatVertex>, std::vector<FloatFace>> {};
 
 class DoubleVertex;
 class DoubleFace;
-struct DoubleTypes : vcg::UsedTypes<vcg::Use<DoubleVertex>::AsVertexType, vcg::Use<DoubleFace>::AsFaceType> {};
-class DoubleVertex : public vcg::Vertex<DoubleTypes, vcg::vertex::Coord3d, vcg::vertex::BitFlags> {};
+struct DoubleTypes
+    : vcg::UsedTypes<vcg::Use<DoubleVertex>::AsVertexType, vcg::Use<DoubleFace>::AsFaceType> {};
+class DoubleVertex : public vcg::Vertex<DoubleTypes, vcg::vertex::Coord3d, vcg::vertex::BitFlags> {
+};
 class DoubleFace : public vcg::Face<DoubleTypes, vcg::face::VertexRef, vcg::face::BitFlags> {};
 class DoubleMesh : public vcg::tri::TriMesh<std::vector<DoubleVertex>, std::vector<DoubleFace>> {};
 
@@ -44,8 +48,10 @@ TYPED_TEST(VcgConversion, ThereAndBack) {
   if (std::is_same_v<typename TypeParam::ScalarType, double>)
     EXPECT_EQ(back.surface.vertices(), mesh.vertices);
   else
-    EXPECT_EQ(back.surface.vertices(), mesh.vertices.template cast<float>().template cast<double>());
-  for (int v = 0; v < back.surface.vertexCount(); ++v) EXPECT_EQ(back.meshVertex[static_cast<size_t>(v)], v);
+    EXPECT_EQ(back.surface.vertices(),
+              mesh.vertices.template cast<float>().template cast<double>());
+  for (int v = 0; v < back.surface.vertexCount(); ++v)
+    EXPECT_EQ(back.meshVertex[static_cast<size_t>(v)], v);
   // Again, into the same mesh: what was there is gone.
   const Mesh small = octahedron();
   meshFromSurface(small.vertices, small.faces, vcgMesh);
@@ -109,7 +115,8 @@ TYPED_TEST(VcgConversion, AMirrorKeepsTheSurfaceOutward) {
     EXPECT_NEAR(enclosedVolume(surface.vertices(), surface.faces()),
                 std::fabs(scale.prod()) * enclosedVolume(mesh.vertices, mesh.faces), 1e-5);
     for (int v = 0; v < surface.vertexCount(); ++v)  // vertices stay where they are in the list
-      EXPECT_LT((surface.vertex(v) - scale.cwiseProduct(mesh.vertices.row(v).transpose())).norm(), 1e-6);
+      EXPECT_LT((surface.vertex(v) - scale.cwiseProduct(mesh.vertices.row(v).transpose())).norm(),
+                1e-6);
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/ventricle_phantom.h"
 
 #include <gtest/gtest.h>
@@ -18,11 +19,13 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 using Part = PhantomParameters::Part;
 
-VentriclePhantom phantom(Part part, unsigned seed = 0, double twist = 0, double voxelSize = 2, int phases = 25) {
+VentriclePhantom phantom(Part part, unsigned seed = 0, double twist = 0, double voxelSize = 2,
+                         int phases = 25) {
   return VentriclePhantom({part, phases, voxelSize, twist, seed});
 }
 
-/// Volume inside the sheet m between the apex and the height `top`, by slices: the area of the outline at each height.
+/// Volume inside the sheet m between the apex and the height `top`, by slices: the area of the
+/// outline at each height.
 double analyticVolume(const VentriclePhantom& ventricle, double phase, double m, double top) {
   constexpr int rows = 400, columns = 400;
   double volume = 0, before = 0, heightBefore = ventricle.position(0, 0, phase, m)[2];
@@ -50,7 +53,8 @@ TEST(VentriclePhantom, IsThatOfThePythonYardstick) {
   //     v = Ventricle(part, seed, twist=twist)
   //     for a in ((0, 0, 0, 0), (0.3, 1.2, 7, 0.4), (1, 6.1, 13.5, 1), (0.52, 3.7, 9, 1)):
   //     print(v.position(*a).tolist())
-  const double arguments[4][4] = {{0, 0, 0, 0}, {0.3, 1.2, 7, 0.4}, {1, 6.1, 13.5, 1}, {0.52, 3.7, 9, 1}};
+  const double arguments[4][4] = {
+      {0, 0, 0, 0}, {0.3, 1.2, 7, 0.4}, {1, 6.1, 13.5, 1}, {0.52, 3.7, 9, 1}};
   const Vector3 expected[2][4] = {{{-0.08083658213963361, 0.0, -44.88034585840789},
                                    {3.9641432705914017, 12.305437824877153, -35.70660914366952},
                                    {29.340270280108864, -6.140902576280614, 19.18736356249602},
@@ -60,10 +64,12 @@ TEST(VentriclePhantom, IsThatOfThePythonYardstick) {
                                    {31.719799830725297, -5.447624780715315, 18.5266516535948},
                                    {-14.264207469906527, -17.790746289981666, -24.99936873615899}}};
   for (int s = 0; s < 2; ++s) {
-    const VentriclePhantom ventricle = s == 0 ? phantom(Part::Cavity, 0) : phantom(Part::Wall, 7, 20);
+    const VentriclePhantom ventricle =
+        s == 0 ? phantom(Part::Cavity, 0) : phantom(Part::Wall, 7, 20);
     for (int i = 0; i < 4; ++i) {
       const auto& a = arguments[i];
-      EXPECT_LT((ventricle.position(a[0], a[1], a[2], a[3]) - expected[s][i]).norm(), 1e-12) << s << " " << i;
+      EXPECT_LT((ventricle.position(a[0], a[1], a[2], a[3]) - expected[s][i]).norm(), 1e-12)
+          << s << " " << i;
     }
   }
 }
@@ -121,7 +127,8 @@ TEST(VentriclePhantom, IsClosedOfGenusZeroInEveryPhase) {
       const VentriclePhantom ventricle = phantom(part, seed);
       for (int phase = 0; phase < 25; phase += seed == 0 ? 1 : 9) {
         const PhantomMesh mesh = ventricle.mesh(phase);
-        EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces)) << "seed " << seed << ", phase " << phase;
+        EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces))
+            << "seed " << seed << ", phase " << phase;
       }
     }
 }
@@ -132,7 +139,8 @@ TEST(VentriclePhantom, HasTheAnalyticVolume) {
       const VentriclePhantom cavity = phantom(Part::Cavity, seed), wall = phantom(Part::Wall, seed);
       const PhantomMesh blood = cavity.mesh(phase), muscle = wall.mesh(phase);
       // Up to where the voxels end: they cut the base at the nearest slice.
-      const double bloodTop = blood.vertices.col(2).maxCoeff(), muscleTop = muscle.vertices.col(2).maxCoeff();
+      const double bloodTop = blood.vertices.col(2).maxCoeff(),
+                   muscleTop = muscle.vertices.col(2).maxCoeff();
       const double rim = cavity.position(1, 0, phase, 0)[2];
       EXPECT_LT(std::fabs(bloodTop - rim), 1.01);
       const double expectedBlood = analyticVolume(cavity, phase, 0, bloodTop);
@@ -148,16 +156,23 @@ TEST(VentriclePhantom, BeatsAsItShould) {
   std::vector<double> volumes;
   for (int phase = 0; phase < 25; ++phase) {
     const ScalarGrid mask = ventricle.mask(phase);
-    volumes.push_back(static_cast<double>(std::count(mask.values.begin(), mask.values.end(), 1.0F)));
+    volumes.push_back(
+        static_cast<double>(std::count(mask.values.begin(), mask.values.end(), 1.0F)));
   }
   EXPECT_EQ(std::max_element(volumes.begin(), volumes.end()) - volumes.begin(), 0);
-  EXPECT_NEAR(static_cast<double>(std::min_element(volumes.begin(), volumes.end()) - volumes.begin()), 0.35 * 25, 1);
-  EXPECT_NEAR(*std::min_element(volumes.begin(), volumes.end()) / volumes[0], 0.4, 0.1);  // ejection fraction 0.6
+  EXPECT_NEAR(
+      static_cast<double>(std::min_element(volumes.begin(), volumes.end()) - volumes.begin()),
+      0.35 * 25, 1);
+  EXPECT_NEAR(*std::min_element(volumes.begin(), volumes.end()) / volumes[0], 0.4,
+              0.1);  // ejection fraction 0.6
   // The cycle is closed, and takes as long as it has phases.
   const VentriclePhantom slow = phantom(Part::Cavity, 0, 0, 2, 50);
   for (int phase = 0; phase < 25; ++phase)
-    EXPECT_LT((slow.position(0.4, 2, 2 * phase, 0.5) - ventricle.position(0.4, 2, phase, 0.5)).norm(), 1e-12);
-  EXPECT_LT((ventricle.position(0.4, 2, 25 - 1e-9, 0) - ventricle.position(0.4, 2, 0, 0)).norm(), 1e-6);
+    EXPECT_LT(
+        (slow.position(0.4, 2, 2 * phase, 0.5) - ventricle.position(0.4, 2, phase, 0.5)).norm(),
+        1e-12);
+  EXPECT_LT((ventricle.position(0.4, 2, 25 - 1e-9, 0) - ventricle.position(0.4, 2, 0, 0)).norm(),
+            1e-6);
 }
 
 TEST(VentriclePhantom, KnowsItsMaterialPoints) {
@@ -179,21 +194,24 @@ TEST(VentriclePhantom, KnowsItsMaterialPoints) {
           ASSERT_LT(material[1], 2 * pi);
           ASSERT_GE(material[2], 0);
           ASSERT_LE(material[2], part == Part::Cavity ? 0 : 1);
-          const bool onLid = part == Part::Cavity ? material[0] > 1.2 : material[2] > 0.2 && material[2] < 0.8;
+          const bool onLid =
+              part == Part::Cavity ? material[0] > 1.2 : material[2] > 0.2 && material[2] < 0.8;
           lid += onLid;
           if (mesh.vertices(v, 2) < rim || onLid)
-            distances.push_back(
-                (ventricle.position(material[0], material[1], phase, material[2]) - mesh.vertices.row(v).transpose())
-                    .norm());
+            distances.push_back((ventricle.position(material[0], material[1], phase, material[2]) -
+                                 mesh.vertices.row(v).transpose())
+                                    .norm());
         }
         std::sort(distances.begin(), distances.end());
         EXPECT_GT(lid, 30);
-        // The mask stacks outlines at the mean height of each circle of equal u; the wall's outer circles are not level
-        // beside the infarct, and there a few vertices are further away.
+        // The mask stacks outlines at the mean height of each circle of equal u; the wall's outer
+        // circles are not level beside the infarct, and there a few vertices are further away.
         const double share = part == Part::Cavity ? 1 : 0.98;
-        EXPECT_LT(distances[static_cast<size_t>(share * static_cast<double>(distances.size() - 1))], voxel / 2);
+        EXPECT_LT(distances[static_cast<size_t>(share * static_cast<double>(distances.size() - 1))],
+                  voxel / 2);
         EXPECT_LT(distances.back(), part == Part::Cavity ? voxel / 2 : voxel);
-        EXPECT_LT(std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()),
+        EXPECT_LT(std::accumulate(distances.begin(), distances.end(), 0.0) /
+                      static_cast<double>(distances.size()),
                   0.15 * voxel);
       }
 }
@@ -208,15 +226,18 @@ TEST(VentriclePhantom, FindsTheClosestPoint) {
     const auto distance = [&](double u, double theta) {
       return (ventricle.position(u, theta, 5, q[2]) - mesh.vertices.row(v).transpose()).norm();
     };
-    for (const double du : {-0.02, 0.02}) EXPECT_GT(distance(q[0] + du, q[1]), distance(q[0], q[1]) - 0.02);
-    for (const double dtheta : {-0.05, 0.05}) EXPECT_GT(distance(q[0], q[1] + dtheta), distance(q[0], q[1]) - 0.02);
+    for (const double du : {-0.02, 0.02})
+      EXPECT_GT(distance(q[0] + du, q[1]), distance(q[0], q[1]) - 0.02);
+    for (const double dtheta : {-0.05, 0.05})
+      EXPECT_GT(distance(q[0], q[1] + dtheta), distance(q[0], q[1]) - 0.02);
   }
 }
 
 TEST(VentriclePhantom, HasALidThatContinuesTheCavity) {
   const VentriclePhantom ventricle = phantom(Part::Cavity, 4);
   for (const double theta : {0.0, 1.0, 4.0}) {
-    const Vector3 rim = ventricle.position(1, theta, 6, 0), centre = ventricle.position(2, theta, 6, 0);
+    const Vector3 rim = ventricle.position(1, theta, 6, 0),
+                  centre = ventricle.position(2, theta, 6, 0);
     EXPECT_LT((ventricle.position(1 + 1e-9, theta, 6, 0) - rim).norm(), 1e-6);
     EXPECT_LT((ventricle.position(1.25, theta, 6, 0) - (0.75 * rim + 0.25 * centre)).norm(), 1e-12);
     EXPECT_LT((centre - ventricle.position(2, 0, 6, 0)).norm(), 1e-12);
@@ -226,7 +247,8 @@ TEST(VentriclePhantom, HasALidThatContinuesTheCavity) {
 TEST(VentriclePhantom, RefusesWhatItsHeaderExcludes) {
   EXPECT_THROW(phantom(Part::Cavity, 0, 0, 2, 0), ParameterError);
   EXPECT_THROW(phantom(Part::Cavity, 0, 0, 0.1), ParameterError);
-  EXPECT_THROW(phantom(Part::Cavity, 0, 0, std::numeric_limits<double>::quiet_NaN()), ParameterError);
+  EXPECT_THROW(phantom(Part::Cavity, 0, 0, std::numeric_limits<double>::quiet_NaN()),
+               ParameterError);
   EXPECT_THROW(phantom(Part::Cavity, 0, 1000), ParameterError);
   EXPECT_THROW(phantom(Part::Cavity).mesh(25), ParameterError);
   EXPECT_THROW(phantom(Part::Cavity).mask(-1), ParameterError);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/vertex_locator.h"
 
 #include <gtest/gtest.h>
@@ -13,14 +14,17 @@ using test::Random;
 int bruteNearest(const Points& points, const Vector3& x) {
   int best = 0;
   for (int i = 1; i < points.rows(); ++i)
-    if ((points.row(i).transpose() - x).squaredNorm() < (points.row(best).transpose() - x).squaredNorm()) best = i;
+    if ((points.row(i).transpose() - x).squaredNorm() <
+        (points.row(best).transpose() - x).squaredNorm())
+      best = i;
   return best;
 }
 
 Points randomPoints(int count, unsigned seed) {
   Random random(seed);
   Points points(count, 3);
-  for (int i = 0; i < count; ++i) points.row(i) << random.normal(), random.normal(), 0.1 * random.normal();
+  for (int i = 0; i < count; ++i)
+    points.row(i) << random.normal(), random.normal(), 0.1 * random.normal();
   return points;
 }
 
@@ -34,8 +38,8 @@ TEST(VertexLocator, FindsTheNearestPoint) {
 }
 
 TEST(VertexLocator, AnswersTheSmallestIndexOfEquallyNearPoints) {
-  // A lattice, asked at its cells' centres, edges' middles and nodes: up to eight points are equally near. Then the
-  // same points once more, so that every one is there twice.
+  // A lattice, asked at its cells' centres, edges' middles and nodes: up to eight points are
+  // equally near. Then the same points once more, so that every one is there twice.
   Points points(250, 3), lattice(125, 3);
   for (int i = 0; i < 125; ++i) lattice.row(i) << i % 5, i / 5 % 5, i / 25;
   points << lattice, lattice;
@@ -43,7 +47,8 @@ TEST(VertexLocator, AnswersTheSmallestIndexOfEquallyNearPoints) {
   for (double x = 0; x <= 4; x += 0.5)
     for (double y = 0; y <= 4; y += 0.5)
       for (double z = 0; z <= 4; z += 0.5)
-        EXPECT_EQ(locator.nearest(Vector3(x, y, z)), bruteNearest(points, {x, y, z})) << x << " " << y << " " << z;
+        EXPECT_EQ(locator.nearest(Vector3(x, y, z)), bruteNearest(points, {x, y, z}))
+            << x << " " << y << " " << z;
 }
 
 TEST(VertexLocator, AGuessNeverChangesTheAnswer) {

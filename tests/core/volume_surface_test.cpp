@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/volume_surface.h"
 
 #include <gtest/gtest.h>
@@ -23,9 +24,12 @@ VolumeSurface surfaceOf(const LabelGrid& labels, double voxelSize = 0) {
 }
 
 /// Throws what is wrong with the surface as a sphere.
-void requireSphere(const VolumeSurface& surface) { const ClosedSurface sphere(surface.vertices, surface.faces); }
+void requireSphere(const VolumeSurface& surface) {
+  const ClosedSurface sphere(surface.vertices, surface.faces);
+}
 
-/// Twice the inscribed circle's radius over that of the circumscribed one: 1 when equilateral, 0 without area.
+/// Twice the inscribed circle's radius over that of the circumscribed one: 1 when equilateral, 0
+/// without area.
 Eigen::VectorXd triangleShapes(const VolumeSurface& surface) {
   const Points angles = cornerAngles(surface.vertices, surface.faces);
   return (angles.array().cos().rowwise().sum() - 1) * 2;
@@ -66,7 +70,8 @@ TEST(LabelGrid, CountsLabelsAndMeasuresVoxels) {
 TEST(VolumeSurface, KeepsTheVolumeOfTheLabels) {
   for (const double radius : {3.0, 6.0, 12.0}) {
     const int n = 2 * static_cast<int>(radius) + 3;
-    const VolumeSurface surface = surfaceOf(labelsOf(test::ball(radius, {0.2, 0.3, -0.1}), {n, n, n}, {0.8, 0.8, 0.8}));
+    const VolumeSurface surface =
+        surfaceOf(labelsOf(test::ball(radius, {0.2, 0.3, -0.1}), {n, n, n}, {0.8, 0.8, 0.8}));
     requireSphere(surface);
     EXPECT_NEAR(surface.volume / surface.labelVolume, 1, 0.01);
   }
@@ -95,10 +100,14 @@ TEST(VolumeSurface, OfABallIsRoundWithTrianglesOfDecentShape) {
 
 TEST(VolumeSurface, VertexCountFollowsTheVoxelSize) {
   const LabelGrid labels = labelsOf(test::ball(12), {29, 29, 29});
-  const VolumeSurface fine = surfaceOf(labels, 0.7), own = surfaceOf(labels), coarse = surfaceOf(labels, 2);
+  const VolumeSurface fine = surfaceOf(labels, 0.7), own = surfaceOf(labels),
+                      coarse = surfaceOf(labels, 2);
   EXPECT_EQ(own.voxelSize, 1);
-  EXPECT_NEAR(static_cast<double>(own.vertices.rows()) / static_cast<double>(coarse.vertices.rows()), 4, 0.6);
-  EXPECT_NEAR(static_cast<double>(fine.vertices.rows()) / static_cast<double>(own.vertices.rows()), 1 / 0.49, 0.3);
+  EXPECT_NEAR(
+      static_cast<double>(own.vertices.rows()) / static_cast<double>(coarse.vertices.rows()), 4,
+      0.6);
+  EXPECT_NEAR(static_cast<double>(fine.vertices.rows()) / static_cast<double>(own.vertices.rows()),
+              1 / 0.49, 0.3);
   for (const VolumeSurface& surface : {fine, own, coarse}) {
     requireSphere(surface);
     EXPECT_NEAR(surface.volume / surface.labelVolume, 1, 0.015);
@@ -125,7 +134,9 @@ TEST(VolumeSurface, OfSlicesFarApartIsSmoothBetweenThem) {
 }
 
 TEST(VolumeSurface, ClosesHalfASliceBeyondTheLastOnes) {
-  const auto cylinder = [](const Vector3& x) { return x.head<2>().norm() < 15 && std::fabs(x[2]) < 21; };
+  const auto cylinder = [](const Vector3& x) {
+    return x.head<2>().norm() < 15 && std::fabs(x[2]) < 21;
+  };
   const LabelGrid labels = labelsOf(cylinder, {35, 35, 7}, {1, 1, 10});  // slices at -20, -10 .. 20
   VolumeSurfaceParameters parameters;
   parameters.smoothing = 0;
@@ -149,10 +160,12 @@ TEST(VolumeSurface, KeepsAWallThatSlipsFartherThanItIsThick) {
   EXPECT_NEAR(surface.volume / surface.labelVolume, 1, 0.03);
   long between = 0;  // the vertices half way between slices lie on the cones, as at the slices
   for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v) {
-    const double z = surface.vertices(v, 2), r = surface.vertices.row(v).head<2>().norm(), outer = 30 + 0.9 * z;
+    const double z = surface.vertices(v, 2), r = surface.vertices.row(v).head<2>().norm(),
+                 outer = 30 + 0.9 * z;
     if (z < -14 || z > 24) continue;
     ++between;
-    EXPECT_LT(std::min(std::fabs(r - outer), std::fabs(r - outer + 6)), 1.5) << surface.vertices.row(v);
+    EXPECT_LT(std::min(std::fabs(r - outer), std::fabs(r - outer + 6)), 1.5)
+        << surface.vertices.row(v);
   }
   EXPECT_GT(between, 1000);
 }
@@ -172,8 +185,11 @@ TEST(VolumeSurface, PutsNoLidOnAWallThatOpensToTheSide) {
 
 TEST(VolumeSurface, InterpolatesMissingSlicesAndCountsThem) {
   for (const double slice : {1.0, 4.0}) {
-    const auto cone = [](const Vector3& x) { return x.head<2>().norm() < 12 - 0.2 * x[2] && std::fabs(x[2]) < 17; };
-    const LabelGrid whole = labelsOf(cone, {39, 39, static_cast<int>(36 / slice) + 1}, {1, 1, slice});
+    const auto cone = [](const Vector3& x) {
+      return x.head<2>().norm() < 12 - 0.2 * x[2] && std::fabs(x[2]) < 17;
+    };
+    const LabelGrid whole =
+        labelsOf(cone, {39, 39, static_cast<int>(36 / slice) + 1}, {1, 1, slice});
     LabelGrid gappy = whole;
     const int middle = whole.size[2] / 2;
     std::fill(gappy.labels.begin() + static_cast<std::ptrdiff_t>(gappy.index(0, 0, middle)),
@@ -202,7 +218,9 @@ TEST(VolumeSurface, BridgesNoGapToASpeck) {
 
 TEST(VolumeSurface, LiesWhereTheMatrixPutsIt) {
   // The same shape in any order of axes, turned, mirrored, sheared: the same surface, outward.
-  const auto shape = [](const Vector3& x) { return x.cwiseQuotient(Vector3(10, 7, 5)).norm() < 1 && x[0] < 6; };
+  const auto shape = [](const Vector3& x) {
+    return x.cwiseQuotient(Vector3(10, 7, 5)).norm() < 1 && x[0] < 6;
+  };
   const LabelGrid plain = labelsOf(shape, {25, 19, 15});
   const VolumeSurface reference = surfaceOf(plain);
   Eigen::Matrix4d moved = Eigen::Matrix4d::Identity();
@@ -233,12 +251,17 @@ TEST(VolumeSurface, LiesWhereTheMatrixPutsIt) {
   permuted.toWorld.col(3) = plain.toWorld.col(3);
   for (int j = 0; j < plain.size[1]; ++j)
     for (int i = 0; i < plain.size[0]; ++i)
-      for (int k = 0; k < plain.size[2]; ++k) permuted.labels.push_back(plain.labels[plain.index(i, j, k)]);
+      for (int k = 0; k < plain.size[2]; ++k)
+        permuted.labels.push_back(plain.labels[plain.index(i, j, k)]);
   const VolumeSurface surface = surfaceOf(permuted);
   requireSphere(surface);
   EXPECT_NEAR(surface.volume, reference.volume, 1e-2 * reference.volume);
-  EXPECT_NEAR((surface.vertices.colwise().maxCoeff() - reference.vertices.colwise().maxCoeff()).norm(), 0, 0.05);
-  EXPECT_NEAR((surface.vertices.colwise().minCoeff() - reference.vertices.colwise().minCoeff()).norm(), 0, 0.05);
+  EXPECT_NEAR(
+      (surface.vertices.colwise().maxCoeff() - reference.vertices.colwise().maxCoeff()).norm(), 0,
+      0.05);
+  EXPECT_NEAR(
+      (surface.vertices.colwise().minCoeff() - reference.vertices.colwise().minCoeff()).norm(), 0,
+      0.05);
 }
 
 TEST(VolumeSurface, OfATorusIsASphereAndOnRequestATorus) {
@@ -247,7 +270,8 @@ TEST(VolumeSurface, OfATorusIsASphereAndOnRequestATorus) {
   requireSphere(cut);
   EXPECT_EQ(cut.handles.handles, 1);
   EXPECT_GT(cut.handles.changedVoxels, 0);
-  EXPECT_LT(static_cast<double>(cut.handles.changedVoxels), 0.03 * static_cast<double>(cut.workingVoxels));
+  EXPECT_LT(static_cast<double>(cut.handles.changedVoxels),
+            0.03 * static_cast<double>(cut.workingVoxels));
   VolumeSurfaceParameters parameters;
   parameters.cutHandles = false;
   const VolumeSurface torus = volumeSurface(labels, parameters);
@@ -270,14 +294,17 @@ TEST(VolumeSurface, IsASphereWhateverTheLabels) {
 }
 
 TEST(VolumeSurface, BearsTheThinnestLabels) {
-  const auto sheet = [](const Vector3& x) { return std::fabs(x[2]) < 0.5 && x.head<2>().norm() < 8; };
+  const auto sheet = [](const Vector3& x) {
+    return std::fabs(x[2]) < 0.5 && x.head<2>().norm() < 8;
+  };
   const VolumeSurface flat = surfaceOf(labelsOf(sheet, {21, 21, 7}));
   requireSphere(flat);
   EXPECT_GT(flat.vertices.col(0).maxCoeff(), 6);  // still the whole sheet
   requireSphere(surfaceOf(labelsOf(test::ball(0.5), {3, 3, 3})));
   requireSphere(surfaceOf(labelsOf([](const Vector3&) { return true; }, {1, 1, 1})));
   requireSphere(surfaceOf(labelsOf([](const Vector3&) { return true; }, {5, 4, 1}, {1, 1, 8})));
-  const VolumeSurface box = surfaceOf(labelsOf([](const Vector3&) { return true; }, {9, 8, 7}));  // up to the border
+  const VolumeSurface box =
+      surfaceOf(labelsOf([](const Vector3&) { return true; }, {9, 8, 7}));  // up to the border
   requireSphere(box);
   EXPECT_NEAR(box.volume / 504, 1, 0.01);
 }
@@ -332,7 +359,8 @@ TEST(VolumeSurface, RefusesParametersOutOfRange) {
     EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   }
   parameters.smoothing = 1;
-  for (const double bad : {-1.0, 1e-3, 1e-300, 1e3, 1e300, std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {-1.0, 1e-3, 1e-300, 1e3, 1e300, std::numeric_limits<double>::infinity()}) {
     parameters.interpolation.voxelSize = bad;
     EXPECT_THROW(volumeSurface(labels, parameters), ParameterError);
   }

@@ -1,6 +1,7 @@
-// What a plugin says of its filters, read through MeshLab's own interface. reference.py loads this library into a
-// Python that has imported pymeshlab, whose MeshLab it then uses: PyMeshLab itself passes neither the description of a
-// filter on, nor its menus.
+// SPDX-License-Identifier: GPL-3.0-only
+// What a plugin says of its filters, read through MeshLab's own interface. reference.py loads this
+// library into a Python that has imported pymeshlab, whose MeshLab it then uses: PyMeshLab itself
+// passes neither the description of a filter on, nor its menus.
 
 #include <QDomDocument>
 #include <QPluginLoader>
@@ -22,9 +23,10 @@ QDomElement describe(const FilterPlugin& plugin, const QAction* action, QDomDocu
 
 }  // namespace
 
-/// XML of all filters of a plugin, with their parameters as in a filter script; empty where the file is no such plugin.
-/// The text belongs to the library and lasts until the next call.
-extern "C" __attribute__((visibility("default"))) const char* filter_descriptions(const char* file) {
+/// XML of all filters of a plugin, with their parameters as in a filter script; empty where the
+/// file is no such plugin. The text belongs to the library and lasts until the next call.
+extern "C" __attribute__((visibility("default"))) const char* filter_descriptions(
+    const char* file) {
   static std::string text;
   text.clear();
   QPluginLoader loader(QString::fromUtf8(file));

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The words for the user in the sources: what errors, warnings and log lines say, without what varies.
 
     python messages.py     lists them: file, words
@@ -6,6 +7,7 @@ A message is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`. A
 the page docs/errors.md. In C++ every string of a filter or below that is no description of a parameter or of a filter counts; in Python and in the
 scripts, what goes into errors and warnings.
 """
+
 import ast
 import re
 from typing import Iterator, List, Tuple
@@ -14,19 +16,30 @@ from pages import PROJECT
 
 VARIES = "…"
 STRING = r'"((?:[^"\\\n]|\\.)*)"'
-DESCRIPTIONS = ("FilterDescription describe() const override {", "parameters(const host::Layers& layers) const override {",
-                "parameters(const host::Layers&) const override {", "::describe() const {", "std::string mapFiguresInfo() {",
-                "std::string paperReference() {")
+DESCRIPTIONS = (
+    "FilterDescription describe() const override {",
+    "parameters(const host::Layers& layers) const override {",
+    "parameters(const host::Layers&) const override {",
+    "::describe() const {",
+    "std::string mapFiguresInfo() {",
+    "std::string paperReference() {",
+)
 IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
 
 
 def says_something(piece: str) -> bool:
-    return len(re.findall(r"(?<!\S)[^\sA-Za-z]*[A-Za-z]{2,}", piece)) >= 3 and not piece.startswith(("^", "\\"))  # regular expressions
+    return len(re.findall(r"(?<!\S)[^\sA-Za-z]*[A-Za-z]{2,}", piece)) >= 3 and not piece.startswith(
+        ("^", "\\")
+    )  # regular expressions
 
 
 def pieces(text: str) -> List[str]:
     """What stays the same in a message, without the blanks and the punctuation at its ends."""
-    return [p for p in (part.strip(" ,:;.()\"'\n") for part in re.sub(r"\s+", " ", text).split(VARIES)) if says_something(p)]
+    return [
+        p
+        for p in (part.strip(" ,:;.()\"'\n") for part in re.sub(r"\s+", " ", text).split(VARIES))
+        if says_something(p)
+    ]
 
 
 def end_of(text: str, start: int) -> int:
@@ -47,7 +60,7 @@ def without_descriptions(code: str) -> str:
     for head in DESCRIPTIONS:
         while head in code:
             start = code.index(head)
-            code = code[:start] + code[end_of(code, start + len(head) - 1):]
+            code = code[:start] + code[end_of(code, start + len(head) - 1) :]
     return code
 
 
@@ -56,7 +69,9 @@ def with_plurals(code: str) -> str:
     while (start := code.find("counted(")) >= 0:
         end = end_of(code, start + len("counted"))
         strings = re.findall(STRING, code[start:end])
-        code = code[:start] + (f'"{VARIES} {strings[-1]}"' if len(strings) == 2 else "") + code[end:]
+        code = (
+            code[:start] + (f'"{VARIES} {strings[-1]}"' if len(strings) == 2 else "") + code[end:]
+        )
     return code
 
 
@@ -64,10 +79,12 @@ def in_cpp(code: str, only_errors: bool = False) -> Iterator[str]:
     code = re.sub(r"^\s*#.*$|//.*$", "", code, flags=re.M)
     code = with_plurals(without_descriptions(code))
     if only_errors:
-        code = "\n;".join(code[m.end() - 1:end_of(code, m.end() - 1)] for m in re.finditer(r"throw \w+\(", code))
+        code = "\n;".join(
+            code[m.end() - 1 : end_of(code, m.end() - 1)] for m in re.finditer(r"throw \w+\(", code)
+        )
     text, end = "", None
     for string in re.finditer(STRING, code):
-        joined = end is not None and re.fullmatch(r"\s*\+?\s*", code[end:string.start()])
+        joined = end is not None and re.fullmatch(r"\s*\+?\s*", code[end : string.start()])
         if not joined:
             yield text
             text = ""
@@ -91,7 +108,9 @@ def in_python(code: str) -> Iterator[str]:
         return VARIES
 
     for node in ast.walk(ast.parse(code)):
-        if isinstance(node, ast.Call) and IN_PYTHON.match(getattr(node.func, "id", getattr(node.func, "attr", ""))):
+        if isinstance(node, ast.Call) and IN_PYTHON.match(
+            getattr(node.func, "id", getattr(node.func, "attr", ""))
+        ):
             for argument in node.args:
                 yield said(argument)
 
@@ -99,7 +118,11 @@ def in_python(code: str) -> Iterator[str]:
 def in_shell(code: str) -> Iterator[str]:
     for said in re.findall(r'\b(?:die|say) "((?:[^"\\]|\\.)*)"', code):
         if not said.startswith("=="):  # headlines of scripts/test
-            yield re.sub(r"\$\((?:[^()]|\([^()]*\))*\)|\$\{[^}]*\}|\$[\w@*#]+|\$\S", VARIES, said.splitlines()[0])
+            yield re.sub(
+                r"\$\((?:[^()]|\([^()]*\))*\)|\$\{[^}]*\}|\$[\w@*#]+|\$\S",
+                VARIES,
+                said.splitlines()[0],
+            )
 
 
 def messages() -> List[Tuple[str, str]]:
@@ -109,13 +132,17 @@ def messages() -> List[Tuple[str, str]]:
         for path in sorted(folder.rglob("*")):
             if path.suffix in (".h", ".cpp"):
                 writes_a_format = path.name.endswith("_file.cpp")
-                found += [(path, text) for text in in_cpp(path.read_text(), only_errors=writes_a_format)]
+                found += [
+                    (path, text) for text in in_cpp(path.read_text(), only_errors=writes_a_format)
+                ]
     for path in sorted((PROJECT / "python").rglob("*.py")):
         found += [(path, text) for text in in_python(path.read_text())]
     for path in sorted((PROJECT / "scripts").iterdir()):
         if path.is_file() and path.suffix in ("", ".sh"):
             found += [(path, text) for text in in_shell(path.read_text())]
-    return [(str(path.relative_to(PROJECT)), piece) for path, text in found for piece in pieces(text)]
+    return [
+        (str(path.relative_to(PROJECT)), piece) for path, text in found for piece in pieces(text)
+    ]
 
 
 if __name__ == "__main__":

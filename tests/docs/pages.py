@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The pages of the project, and what is in them: headings, links, pictures, blocks of code."""
+
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +14,7 @@ NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 @dataclass(frozen=True)
 class Block:
     """A fenced block of code. `line` is that of its first line in the page; `not_run` the reason that a comment before it gives."""
+
     language: str
     line: int
     code: str
@@ -34,8 +37,14 @@ class Page:
                 start = number
                 continue
             before = NOT_RUN.fullmatch(self.lines[start - 1].strip()) if start else None
-            found.append(Block(self.lines[start].strip().strip("`"), start + 2, "\n".join(self.lines[start + 1:number]) + "\n",
-                               before and before[1]))
+            found.append(
+                Block(
+                    self.lines[start].strip().strip("`"),
+                    start + 2,
+                    "\n".join(self.lines[start + 1 : number]) + "\n",
+                    before and before[1],
+                )
+            )
             start = None
         assert start is None, f"{self.name}:{start + 1}: a block of code does not end"
         return found
@@ -53,7 +62,11 @@ class Page:
 
     @cached_property
     def headings(self) -> List[str]:
-        return [re.sub(r"^#+ ", "", line).strip() for line in self.prose.splitlines() if re.match(r"#+ ", line)]
+        return [
+            re.sub(r"^#+ ", "", line).strip()
+            for line in self.prose.splitlines()
+            if re.match(r"#+ ", line)
+        ]
 
     @cached_property
     def anchors(self) -> List[str]:
@@ -64,7 +77,9 @@ class Page:
     def links(self) -> List[str]:
         """Targets of links and pictures, without those of other sites."""
         prose = re.sub(r"`[^`]*`", "", self.prose)
-        targets = re.findall(r"\]\(([^)\s]+)\)", prose) + re.findall(r'(?:src|href)="([^"]+)"', prose)
+        targets = re.findall(r"\]\(([^)\s]+)\)", prose) + re.findall(
+            r'(?:src|href)="([^"]+)"', prose
+        )
         return [target for target in targets if not re.match(r"https?://", target)]
 
     @cached_property

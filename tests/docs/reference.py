@@ -1,9 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The reference of all filters, docs/filters.md, from what the plugins say of themselves:
 
     python reference.py FOLDER_OF_PLUGINS [FILE]
 
 scripts/make-reference builds what this needs and runs it; test_reference.py compares the page with the plugins.
 """
+
 import ctypes
 import html
 import re
@@ -12,7 +14,6 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import pymeshlab  # whose MeshLab the library below uses
-
 from pages import anchor
 
 MENUS = {  # bits of FilterPlugin::FilterClass -> the menu under Filters
@@ -23,10 +24,20 @@ MENUS = {  # bits of FilterPlugin::FilterClass -> the menu under Filters
     0x00100: "Quality Measure and Computations",
     0x10000: "Quality Measure and Computations",
 }
-TYPES = {"RichBool": "yes or no", "RichInt": "whole number", "RichFloat": "number", "RichString": "text", "RichMesh": "layer",
-         "RichSaveFile": "file to write", "RichOpenFile": "file to read"}
+TYPES = {
+    "RichBool": "yes or no",
+    "RichInt": "whole number",
+    "RichFloat": "number",
+    "RichString": "text",
+    "RichMesh": "layer",
+    "RichSaveFile": "file to write",
+    "RichOpenFile": "file to read",
+}
 
-PLUGINS = ("libfilter_label_volume.so", "libfilter_sphere_propagation.so")  # in the order of the job
+PLUGINS = (
+    "libfilter_label_volume.so",
+    "libfilter_sphere_propagation.so",
+)  # in the order of the job
 
 HEAD = """\
 # The filters
@@ -45,7 +56,9 @@ def descriptions(plugin):
     plugin = Path(plugin).resolve()
     library = plugin.parents[1] / "tests/libfilter_descriptions.so"
     if not library.is_file():
-        raise FileNotFoundError(f"There is no {library}: scripts/build pymeshlab plugins filter_descriptions")
+        raise FileNotFoundError(
+            f"There is no {library}: scripts/build pymeshlab plugins filter_descriptions"
+        )
     read = ctypes.CDLL(str(library)).filter_descriptions
     read.restype = ctypes.c_char_p
     return xml.fromstring(read(str(plugin).encode()).decode()).findall("filter")
@@ -59,7 +72,9 @@ def menus(element):
 
 def returned_keys(element):
     """The keys that a filter says it returns."""
-    paragraph = next((p for p in element.get("info").split("<br><br>") if p.startswith("Returned")), "")
+    paragraph = next(
+        (p for p in element.get("info").split("<br><br>") if p.startswith("Returned")), ""
+    )
     return re.findall("<b>(.*?)</b>", paragraph)
 
 
@@ -71,26 +86,28 @@ def markdown(text):
 
 
 def returned(paragraph):
-    """"Returned: <b>key</b>: meaning; <b>key</b>: ..." as a list."""
+    """ "Returned: <b>key</b>: meaning; <b>key</b>: ..." as a list."""
     head, *items = re.split(r"(?:: |; |\. |, )(?=<b>)", paragraph)
     items = [re.sub("<b>(.*?)</b>", r"`\1`", item).rstrip(".") for item in items]
     items[-1], _, remark = items[-1].partition(". ")
     lines, keys = [], []
     for item in items:
         keys.append(item)
-        if ": " in item or "(" in item or item == items[-1]:  # what several keys mean is said after the last of them
+        if (
+            ": " in item or "(" in item or item == items[-1]
+        ):  # what several keys mean is said after the last of them
             lines.append("- " + html.unescape(", ".join(keys)))
             keys = []
     return f"**{head}:**\n" + "\n".join(lines) + (f"\n\n{remark}." if remark else "")
 
 
 def references(paragraph):
-    """"See:<br><i>authors</i><br><b>"title"</b><br>reference<br>..." as a list."""
+    """ "See:<br><i>authors</i><br><b>"title"</b><br>reference<br>..." as a list."""
     lines, about = ["**References**"], ""
     texts = iter(paragraph.split("<br>"))
     for text in texts:
         if text.startswith("<i>"):
-            title = next(texts)[len("<b>"):-len("</b>")]
+            title = next(texts)[len("<b>") : -len("</b>")]
             lines.append(f"- {about}{markdown(text)}: {title}, {html.unescape(next(texts))}")
             about = ""
         else:
@@ -101,7 +118,9 @@ def references(paragraph):
 def paragraphs(element):
     """The paragraphs of a filter's description: what it does, what it returns, references."""
     does, returns, cites = [], [], []
-    for paragraph in filter(None, (re.sub("(<br>)+$", "", p).strip() for p in element.get("info").split("<br><br>"))):
+    for paragraph in filter(
+        None, (re.sub("(<br>)+$", "", p).strip() for p in element.get("info").split("<br><br>"))
+    ):
         if paragraph.startswith("Returned"):
             returns.append(returned(paragraph))
         elif '</i><br><b>"' in paragraph:
@@ -124,31 +143,54 @@ def default(parameter):
 
 def kind(parameter):
     if parameter.get("type") == "RichEnum":
-        text = " / ".join(parameter.get(f"enum_val{i}") for i in range(int(parameter.get("enum_cardinality"))))
+        text = " / ".join(
+            parameter.get(f"enum_val{i}") for i in range(int(parameter.get("enum_cardinality")))
+        )
     else:
         text = TYPES[parameter.get("type")]
     return text + (", *advanced*" if parameter.get("advanced") == "true" else "")
 
 
 def row(*cells):
-    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ").strip() for cell in cells) + " |"
+    return (
+        "| "
+        + " | ".join(cell.replace("|", "\\|").replace("\n", " ").strip() for cell in cells)
+        + " |"
+    )
 
 
 def section(element):
     """A filter's part of the page."""
     does, returns, cites = paragraphs(element)
-    parameters = [row(f"`{p.get('name')}`", p.get("description"), kind(p), default(p), p.get("tooltip")) for p in element.findall("Param")]
-    table = "\n".join([row("parameter", "in the dialog", "values", "default", ""), row(*["---"] * 5), *parameters])
-    blocks = [f"## {element.get('name')}",
-              f"`{element.get('python_name')}`; in MeshLab: Filters, *{'*, and *'.join(menus(element))}*.",
-              *does, table if parameters else "No parameters.", *returns, *cites]
+    parameters = [
+        row(f"`{p.get('name')}`", p.get("description"), kind(p), default(p), p.get("tooltip"))
+        for p in element.findall("Param")
+    ]
+    table = "\n".join(
+        [row("parameter", "in the dialog", "values", "default", ""), row(*["---"] * 5), *parameters]
+    )
+    blocks = [
+        f"## {element.get('name')}",
+        f"`{element.get('python_name')}`; in MeshLab: Filters, *{'*, and *'.join(menus(element))}*.",
+        *does,
+        table if parameters else "No parameters.",
+        *returns,
+        *cites,
+    ]
     return "\n\n".join(blocks) + "\n"
 
 
 def page(folder):
     """The text of docs/filters.md. folder: of the plugins, which PyMeshLab must have loaded."""
     filters = [f for plugin in PLUGINS for f in descriptions(Path(folder) / plugin)]
-    table = [row(f"[{f.get('name')}](#{anchor(f.get('name'))})", f"`{f.get('python_name')}`", "; ".join(menus(f))) for f in filters]
+    table = [
+        row(
+            f"[{f.get('name')}](#{anchor(f.get('name'))})",
+            f"`{f.get('python_name')}`",
+            "; ".join(menus(f)),
+        )
+        for f in filters
+    ]
     return HEAD + "\n".join(table) + "\n\n" + "\n".join(section(f) for f in filters)
 
 

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """docs/errors.md has every message that users can meet, and none that is gone."""
+
 import re
 
 import pytest
-
 from messages import messages, pieces
 from pages import PROJECT, Page
 
@@ -20,7 +21,11 @@ def on_the_page(without_others=False):
 
 def test_every_message_is_explained():
     explained = on_the_page()
-    missing = [f"{file}: {words}" for file, words in messages() if not any(words in message for message in explained)]
+    missing = [
+        f"{file}: {words}"
+        for file, words in messages()
+        if not any(words in message for message in explained)
+    ]
     assert not missing, "\n  ".join(["not in docs/errors.md:", *missing])
 
 
@@ -33,17 +38,34 @@ def test_every_explained_message_exists():
             piece = piece.replace(words, "…").strip() if piece not in words else ""
         return any(pieces(piece))
 
-    gone = [message for message in on_the_page(without_others=True) if any(map(invented, pieces(message)))]
+    gone = [
+        message
+        for message in on_the_page(without_others=True)
+        if any(map(invented, pieces(message)))
+    ]
     assert not gone, "\n  ".join(["in docs/errors.md, but nothing says so any more:", *gone])
 
 
-@pytest.mark.parametrize("text, expected", [
-    ('throw Error("Layer \\"" + name + "\\": it is quite empty. " + remedy);', ["it is quite empty"]),
-    ('throw Error("one long line "\n  "of words" + std::to_string(n) + " and so it goes on");', ["one long line of words", "and so it goes on"]),
-    ('fail("it has holes: " + counted(holes, "edge is", "edges are") + " still open");', ["it has holes", "edges are still open"]),
-    ('// "a comment that says something"\nint x = 1;', []),
-    ('outputs["area_ratio_sd"] = 1;', []),
-])
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        (
+            'throw Error("Layer \\"" + name + "\\": it is quite empty. " + remedy);',
+            ["it is quite empty"],
+        ),
+        (
+            'throw Error("one long line "\n  "of words" + std::to_string(n) + " and so it goes on");',
+            ["one long line of words", "and so it goes on"],
+        ),
+        (
+            'fail("it has holes: " + counted(holes, "edge is", "edges are") + " still open");',
+            ["it has holes", "edges are still open"],
+        ),
+        ('// "a comment that says something"\nint x = 1;', []),
+        ('outputs["area_ratio_sd"] = 1;', []),
+    ],
+)
 def test_messages_are_found_in_cpp(text, expected):
     from messages import in_cpp
+
     assert [p for said in in_cpp(text) for p in pieces(said)] == expected

@@ -1,14 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Links lead somewhere: every page, heading, picture, script and source file that a page names is there."""
+
 import re
-from pathlib import Path
 
 import pytest
-
 from pages import PROJECT, Page, all_pages
 
 PAGES = all_pages()
 LARGEST_PICTURE = 200_000  # bytes
-NAMES_A_FILE = re.compile(r"(?:\./)?((?:vcg_ext|host|filter_sphere_propagation|filter_label_volume|python|scripts|tests|docs|sample_projects|benchmarks|cmake)/[\w./*-]+)")
+NAMES_A_FILE = re.compile(
+    r"(?:\./)?((?:vcg_ext|host|filter_sphere_propagation|filter_label_volume|python|scripts|tests|docs|sample_projects|benchmarks|cmake)/[\w./*-]+)"
+)
 
 
 def target_of(page, link):
@@ -23,7 +25,9 @@ def test_links_lead_somewhere(page):
         assert target.exists(), f"{page.name}: {link}"
         assert target.is_relative_to(PROJECT), f"{page.name}: {link} leads out of the project"
         if fragment:
-            assert fragment in Page(target).anchors, f"{page.name}: {link}: there is no such heading"
+            assert fragment in Page(target).anchors, (
+                f"{page.name}: {link}: there is no such heading"
+            )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -33,7 +37,9 @@ def test_files_that_are_named_are_there(page):
         named = NAMES_A_FILE.match(code)
         if named and not named[1].startswith("docs/images/NAME"):
             path = named[1].rstrip("/.")
-            assert (PROJECT / path).exists() or any(PROJECT.glob(path + "*")), f"{page.name}: there is no {path}"
+            assert (PROJECT / path).exists() or any(PROJECT.glob(path + "*")), (
+                f"{page.name}: there is no {path}"
+            )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

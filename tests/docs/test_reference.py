@@ -1,14 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """docs/filters.md is what the plugins say of themselves, and what they say is so."""
+
 import sys
 
 import pymeshlab
 import pytest
-
 import reference
 from pages import PROJECT
 
 sys.path.insert(0, str(PROJECT / "tests/volumes"))
-import volume_files  # noqa: E402
+import volume_files
 
 ARGUMENTS = {  # of a small run, by python name; filters that are not named are called without
     "create_ventricle_phantom": {"phases": 4, "voxel_size": 4.0},
@@ -55,4 +56,7 @@ def test_what_filters_return_is_what_they_say(filters):
 
 def test_what_the_import_returns_is_what_it_says(plugins, label_volume):
     (element,) = reference.descriptions(plugins / "libfilter_label_volume.so")
-    require_what_is_said(element, pymeshlab.MeshSet().apply_filter(element.get("python_name"), file_name=str(label_volume)))
+    require_what_is_said(
+        element,
+        pymeshlab.MeshSet().apply_filter(element.get("python_name"), file_name=str(label_volume)),
+    )

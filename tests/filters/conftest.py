@@ -1,16 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Fixtures of the filter tests. The plugin is loaded into the PyMeshLab that pip installed."""
-import pymeshlab
-import pytest
 
 import cycles
+import pymeshlab
+import pytest
 from environment import PLUGIN, files_of, yardstick
 
 
 @pytest.fixture(scope="session", autouse=True)
 def plugin():
     if not PLUGIN.is_file():
-        pytest.exit(f"There is no plugin {PLUGIN}: build it with `scripts/build pymeshlab`.", returncode=1)
-    if "compute_spherical_parameterisation_root" not in pymeshlab.filter_list():  # importing the Python package loads it, too
+        pytest.exit(
+            f"There is no plugin {PLUGIN}: build it with `scripts/build pymeshlab`.", returncode=1
+        )
+    if (
+        "compute_spherical_parameterisation_root" not in pymeshlab.filter_list()
+    ):  # importing the Python package loads it, too
         pymeshlab.load_plugin(str(PLUGIN))
 
 

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Whole heart cycles, and the pipeline over them: root map, propagation, evaluation, remeshing."""
+
 import dataclasses
 import functools
 
-import pymeshlab
-
 import documents
+import pymeshlab
 from documents import EVALUATE, PHANTOM, PROPAGATE, REMESH, ROOT
 from environment import files_of, yardstick
 
@@ -28,7 +29,9 @@ def project_of(sequence):
         for t, (v, f) in enumerate(yardstick_phantom(part)):
             documents.add(ms, v, f, f"{part} {t:02d}")
     else:
-        for path in files_of({"heart_cine": "heart_cine", "heart_truth": "heart_truth/mc"}[sequence]):
+        for path in files_of(
+            {"heart_cine": "heart_cine", "heart_truth": "heart_truth/mc"}[sequence]
+        ):
             ms.load_new_mesh(str(path))
     ms.set_current_mesh(0)
     return ms

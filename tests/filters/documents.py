@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Small helpers on PyMeshLab documents: the filters' names, layers, and snapshots that can be compared."""
+
 import contextlib
 import hashlib
 import xml.etree.ElementTree as xml
@@ -35,7 +37,11 @@ FIGURES = ["flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean"
 
 def add(ms, vertices, faces, label, **more):
     """Adds a layer, makes it the current one and returns its number. `more`: what pymeshlab.Mesh takes besides."""
-    mesh = pymeshlab.Mesh(np.asarray(vertices, float).reshape(-1, 3), np.asarray(faces, np.int32).reshape(-1, 3), **more)
+    mesh = pymeshlab.Mesh(
+        np.asarray(vertices, float).reshape(-1, 3),
+        np.asarray(faces, np.int32).reshape(-1, 3),
+        **more,
+    )
     ms.add_mesh(mesh, label)
     return ms.current_mesh_id()
 
@@ -75,7 +81,14 @@ def texture_positions(mesh):
     """The map stored on a layer as texture coordinates: u = longitude / 2 pi, v = colatitude / pi."""
     uv = mesh.vertex_tex_coord_matrix()
     longitude, colatitude = 2 * np.pi * uv[:, 0], np.pi * uv[:, 1]
-    return np.stack([np.sin(colatitude) * np.cos(longitude), np.sin(colatitude) * np.sin(longitude), np.cos(colatitude)], 1)
+    return np.stack(
+        [
+            np.sin(colatitude) * np.cos(longitude),
+            np.sin(colatitude) * np.sin(longitude),
+            np.cos(colatitude),
+        ],
+        1,
+    )
 
 
 # ---------------------------------------------------------------- small projects
@@ -182,8 +195,13 @@ def written_script(ms, path):
 
 def apply_by_menu_name(ms, path, name, **texts):
     """Applies a filter as MeshLab's menu calls it, with text parameters if any. Throws where there is no such filter."""
-    parameters = "".join(f'<Param type="RichString" name={quoteattr(k)} value={quoteattr(v)}/>' for k, v in texts.items())
-    path.write_text(f"<!DOCTYPE FilterScript>\n<FilterScript><filter name={quoteattr(name)}>{parameters}</filter></FilterScript>\n")
+    parameters = "".join(
+        f'<Param type="RichString" name={quoteattr(k)} value={quoteattr(v)}/>'
+        for k, v in texts.items()
+    )
+    path.write_text(
+        f"<!DOCTYPE FilterScript>\n<FilterScript><filter name={quoteattr(name)}>{parameters}</filter></FilterScript>\n"
+    )
     ms.clear_filter_script()
     ms.load_filter_script(str(path))
     ms.apply_filter_script()

@@ -1,9 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Where the plugin, the data and the yardstick are.
 
-    SPHERE_PROPAGATION_PLUGIN   the plugin's file; default: what `scripts/build pymeshlab` makes
-    SPHERE_PROPAGATION_DATA     folder of the data, the yardstick beside it; default: ../shared/data beside the checkout
-    CI=true                     missing data is a failure, not a skip
+SPHERE_PROPAGATION_PLUGIN   the plugin's file; default: what `scripts/build pymeshlab` makes
+SPHERE_PROPAGATION_DATA     folder of the data, the yardstick beside it; default: ../shared/data beside the checkout
+CI=true                     missing data is a failure, not a skip
 """
+
 import importlib
 import os
 import sys
@@ -12,7 +14,10 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).resolve().parents[2]
-PLUGIN = Path(os.environ.get("SPHERE_PROPAGATION_PLUGIN") or PROJECT / "build/pymeshlab/plugins/libfilter_sphere_propagation.so")
+PLUGIN = Path(
+    os.environ.get("SPHERE_PROPAGATION_PLUGIN")
+    or PROJECT / "build/pymeshlab/plugins/libfilter_sphere_propagation.so"
+)
 DATA = Path(os.environ.get("SPHERE_PROPAGATION_DATA") or PROJECT / "../shared/data").resolve()
 
 

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Small surfaces, good and bad, as (vertices n x 3, faces m x 3). The good one is `egg`; each bad one has one defect."""
+
 import numpy as np
 
 
@@ -24,7 +26,9 @@ def egg(rings=10, sectors=14, centre=(0, 0, 0), radii=(20, 24, 35)):
 
 def tetrahedron(a, b, c, d):
     """Four corners, d on the inner side of abc."""
-    return np.array([a, b, c, d], float), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]], np.int32)
+    return np.array([a, b, c, d], float), np.array(
+        [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]], np.int32
+    )
 
 
 def joined(first, second, shared=()):
@@ -60,9 +64,16 @@ def small_second_part():
 def torus(around=16, across=8):
     u, w = (x.ravel() for x in np.meshgrid(np.arange(around), np.arange(across), indexing="ij"))
     a, b = 2 * np.pi * u / around, 2 * np.pi * w / across
-    v = np.stack([(30 + 10 * np.cos(b)) * np.cos(a), (30 + 10 * np.cos(b)) * np.sin(a), 10 * np.sin(b)], 1)
+    v = np.stack(
+        [(30 + 10 * np.cos(b)) * np.cos(a), (30 + 10 * np.cos(b)) * np.sin(a), 10 * np.sin(b)], 1
+    )
     at = lambda i, j: (i % around) * across + j % across
-    f = np.concatenate([np.stack([at(u, w), at(u + 1, w), at(u + 1, w + 1)], 1), np.stack([at(u, w), at(u + 1, w + 1), at(u, w + 1)], 1)])
+    f = np.concatenate(
+        [
+            np.stack([at(u, w), at(u + 1, w), at(u + 1, w + 1)], 1),
+            np.stack([at(u, w), at(u + 1, w + 1), at(u, w + 1)], 1),
+        ]
+    )
     return v, f.astype(np.int32)
 
 
@@ -77,7 +88,9 @@ def pinched_at_a_vertex():
     """A small tetrahedron that touches the egg's tip with its own."""
     v, f = egg()
     tip = v[0]
-    return joined((v, f), tetrahedron(tip, tip + [3, 0, 4], tip + [0, 3, 4], tip + [0, 0, 8]), shared=[(0, 0)])
+    return joined(
+        (v, f), tetrahedron(tip, tip + [3, 0, 4], tip + [0, 3, 4], tip + [0, 0, 8]), shared=[(0, 0)]
+    )
 
 
 def one_face_turned():
@@ -113,7 +126,9 @@ def points_only():
 
 def three_vertices():
     """A triangle with two sides: closed, but it encloses nothing."""
-    return np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0]], float), np.array([[0, 1, 2], [0, 2, 1]], np.int32)
+    return np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0]], float), np.array(
+        [[0, 1, 2], [0, 2, 1]], np.int32
+    )
 
 
 def unreferenced_vertices():

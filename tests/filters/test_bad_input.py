@@ -1,13 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Bad input: each case is refused with an error that says what is wrong and what mends it, and changes nothing; or it works."""
+
 import resource
 
 import numpy as np
 import pymeshlab
 import pytest
-
 import surfaces
-from documents import (ATTRIBUTE, COLOR, EVALUATE, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, apply_by_menu_name, layers,
-                       mapped_cycle, positions, refused, small_cycle, snapshot, written_script)
+from documents import (
+    ATTRIBUTE,
+    COLOR,
+    EVALUATE,
+    MODEL,
+    PHANTOM,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    apply_by_menu_name,
+    layers,
+    mapped_cycle,
+    positions,
+    refused,
+    small_cycle,
+    snapshot,
+    written_script,
+)
 from surfaces import egg
 
 NAN, INF = float("nan"), float("inf")
@@ -16,34 +35,67 @@ NAN, INF = float("nan"), float("inf")
 # None where nothing can be mended in MeshLab without rebuilding the surface.
 SELECT_NAN = ("Conditional Vertex Selection", {"condSelect": "x-x+y-y+z-z != 0"})
 DEFECTS = {
-    "not closed": (surfaces.open_egg, ["it is not closed", "3 edges have a face on one side only", "the first at face"],
-                   ["Close Holes"]),
+    "not closed": (
+        surfaces.open_egg,
+        ["it is not closed", "3 edges have a face on one side only", "the first at face"],
+        ["Close Holes"],
+    ),
     "two parts": (surfaces.two_parts, ["2 separate parts", "vertex 142"], None),
-    "small second part": (surfaces.small_second_part, ["2 separate parts", "vertex 142"],
-                          ["Remove Isolated pieces (wrt Face Num.)"]),
+    "small second part": (
+        surfaces.small_second_part,
+        ["2 separate parts", "vertex 142"],
+        ["Remove Isolated pieces (wrt Face Num.)"],
+    ),
     "handle": (surfaces.torus, ["1 handle (genus 1)"], None),
-    "non-manifold edge": (surfaces.fin_on_an_edge, ["1 edge has more than two faces", "the first at face"],
-                          ["Repair non Manifold Edges", "Close Holes"]),
-    "non-manifold vertex": (surfaces.pinched_at_a_vertex, ["at 1 vertex sheets touch", "the first is vertex 0"],
-                            ["Repair non Manifold Vertices by splitting", "Remove Isolated pieces (wrt Face Num.)"]),
-    "one face turned": (surfaces.one_face_turned, ["not oriented alike", "3 edges lie between", "the first at face"],
-                        ["Re-Orient all faces coherently"]),
-    "half the faces turned": (surfaces.half_the_faces_turned, ["not oriented alike", "edges lie between", "the first at face"],
-                              ["Re-Orient all faces coherently"]),
+    "non-manifold edge": (
+        surfaces.fin_on_an_edge,
+        ["1 edge has more than two faces", "the first at face"],
+        ["Repair non Manifold Edges", "Close Holes"],
+    ),
+    "non-manifold vertex": (
+        surfaces.pinched_at_a_vertex,
+        ["at 1 vertex sheets touch", "the first is vertex 0"],
+        ["Repair non Manifold Vertices by splitting", "Remove Isolated pieces (wrt Face Num.)"],
+    ),
+    "one face turned": (
+        surfaces.one_face_turned,
+        ["not oriented alike", "3 edges lie between", "the first at face"],
+        ["Re-Orient all faces coherently"],
+    ),
+    "half the faces turned": (
+        surfaces.half_the_faces_turned,
+        ["not oriented alike", "edges lie between", "the first at face"],
+        ["Re-Orient all faces coherently"],
+    ),
     "inward": (surfaces.inside_out, ["oriented inwards"], ["Invert Faces Orientation"]),
-    "nan": (lambda: surfaces.with_coordinate(NAN), ["1 vertex has coordinates that are not finite", "vertex 17"],
-            [SELECT_NAN, "Delete Selected Vertices", "Close Holes"]),
-    "infinite": (lambda: surfaces.with_coordinate(-INF), ["1 vertex has coordinates that are not finite", "vertex 17"],
-                 [SELECT_NAN, "Delete Selected Vertices", "Close Holes"]),
+    "nan": (
+        lambda: surfaces.with_coordinate(NAN),
+        ["1 vertex has coordinates that are not finite", "vertex 17"],
+        [SELECT_NAN, "Delete Selected Vertices", "Close Holes"],
+    ),
+    "infinite": (
+        lambda: surfaces.with_coordinate(-INF),
+        ["1 vertex has coordinates that are not finite", "vertex 17"],
+        [SELECT_NAN, "Delete Selected Vertices", "Close Holes"],
+    ),
     "empty": (surfaces.empty, ["it is empty"], None),
     "points only": (surfaces.points_only, ["it has vertices but no faces"], None),
     "three vertices": (surfaces.three_vertices, ["it has 3 vertices", "at least four"], None),
-    "unreferenced vertices": (surfaces.unreferenced_vertices, ["2 vertices belong to no face", "the first is vertex 142"],
-                              ["Remove Unreferenced Vertices"]),
-    "duplicated vertices": (surfaces.unwelded, ["it is not closed", "840 edges", "698 vertices lie exactly where another one lies"],
-                            ["Remove Duplicate Vertices"]),
-    "a vertex twice in a face": (surfaces.face_with_a_vertex_twice, ["1 face uses one vertex twice", "the first is face 280"],
-                                 ["Remove Zero Area Faces"]),
+    "unreferenced vertices": (
+        surfaces.unreferenced_vertices,
+        ["2 vertices belong to no face", "the first is vertex 142"],
+        ["Remove Unreferenced Vertices"],
+    ),
+    "duplicated vertices": (
+        surfaces.unwelded,
+        ["it is not closed", "840 edges", "698 vertices lie exactly where another one lies"],
+        ["Remove Duplicate Vertices"],
+    ),
+    "a vertex twice in a face": (
+        surfaces.face_with_a_vertex_twice,
+        ["1 face uses one vertex twice", "the first is face 280"],
+        ["Remove Zero Area Faces"],
+    ),
     "flat": (surfaces.flat, ["all its faces have zero area"], None),
 }
 LABEL = "bad layer.ply"
@@ -79,8 +131,17 @@ def add_decorated(ms, v, f, label):
         return add_empty(ms, label)
     random = np.random.default_rng(len(v))
     colours = random.integers(0, 256, (len(v), 4)) / 255
-    add(ms, v, f, label, v_color_matrix=colours, v_scalar_array=random.random(len(v)), f_scalar_array=random.random(len(f)),
-        v_tex_coords_matrix=random.random((len(v), 2)), v_normals_matrix=random.random((len(v), 3)))
+    add(
+        ms,
+        v,
+        f,
+        label,
+        v_color_matrix=colours,
+        v_scalar_array=random.random(len(v)),
+        f_scalar_array=random.random(len(f)),
+        v_tex_coords_matrix=random.random((len(v), 2)),
+        v_normals_matrix=random.random((len(v), 3)),
+    )
     mesh = ms.current_mesh()
     mesh.add_vertex_custom_point_attribute(random.random((len(v), 3)), "of_the_user")
     mesh.add_vertex_custom_scalar_attribute(random.random(len(v)), "number_of_the_user")
@@ -115,7 +176,9 @@ def test_a_layer_that_carries_positions(case, name):
     ms = mapped_cycle(1)
     mesh = add_decorated(ms, *DEFECTS[case][0](), LABEL)
     anything = np.random.default_rng(1).normal(size=(mesh.vertex_number(), 3))
-    mesh.add_vertex_custom_point_attribute(anything / np.linalg.norm(anything, axis=1, keepdims=True), ATTRIBUTE)
+    mesh.add_vertex_custom_point_attribute(
+        anything / np.linalg.norm(anything, axis=1, keepdims=True), ATTRIBUTE
+    )
     with refused(ms, *says(DEFECTS[case])):
         ms.apply_filter(name)
 
@@ -134,10 +197,21 @@ def test_what_the_error_names_mends_it(name, tmp_path):
     assert ms.current_mesh().vertex_number() > 100
 
 
-@pytest.mark.parametrize("menu_name, python_name, parameters", [
-    ("Surface Reconstruction: Screened Poisson", "generate_surface_reconstruction_screened_poisson", {"depth": 3}),
-    ("Remeshing: Isotropic Explicit Remeshing", "meshing_isotropic_explicit_remeshing", {"iterations": 1}),
-])
+@pytest.mark.parametrize(
+    "menu_name, python_name, parameters",
+    [
+        (
+            "Surface Reconstruction: Screened Poisson",
+            "generate_surface_reconstruction_screened_poisson",
+            {"depth": 3},
+        ),
+        (
+            "Remeshing: Isotropic Explicit Remeshing",
+            "meshing_isotropic_explicit_remeshing",
+            {"iterations": 1},
+        ),
+    ],
+)
 def test_other_filters_that_errors_name_exist(menu_name, python_name, parameters, tmp_path):
     ms = pymeshlab.MeshSet()
     add(ms, *egg(), "egg")
@@ -175,7 +249,9 @@ def test_any_unit_of_length_works(scale):
     returned = ms.apply_filter(ROOT)
     assert returned["flipped_faces"] == 0
     add(ms, v, f, "egg in mm")
-    assert returned["area_ratio_sd"] == pytest.approx(ms.apply_filter(ROOT)["area_ratio_sd"], rel=0.01)
+    assert returned["area_ratio_sd"] == pytest.approx(
+        ms.apply_filter(ROOT)["area_ratio_sd"], rel=0.01
+    )
 
 
 def flattened(ms, number):
@@ -193,10 +269,26 @@ def scaled(ms, number, scale):
 
 
 NOT_COMPUTABLE = {
-    "flattened by its matrix": (flattened, "it is flat: all its vertices lie in one plane", "Matrix: Reset Current Matrix"),
-    "too large": (lambda ms, n: scaled(ms, n, 1e160), "its coordinates reach", "Transform: Scale, Normalize"),
-    "a little too large": (lambda ms, n: scaled(ms, n, 1e52), "beyond 1e+50 nothing can be computed", "Transform: Scale, Normalize"),
-    "too small": (lambda ms, n: scaled(ms, n, 1e-160), "below 1e-50 nothing can be computed", "Transform: Scale, Normalize"),
+    "flattened by its matrix": (
+        flattened,
+        "it is flat: all its vertices lie in one plane",
+        "Matrix: Reset Current Matrix",
+    ),
+    "too large": (
+        lambda ms, n: scaled(ms, n, 1e160),
+        "its coordinates reach",
+        "Transform: Scale, Normalize",
+    ),
+    "a little too large": (
+        lambda ms, n: scaled(ms, n, 1e52),
+        "beyond 1e+50 nothing can be computed",
+        "Transform: Scale, Normalize",
+    ),
+    "too small": (
+        lambda ms, n: scaled(ms, n, 1e-160),
+        "below 1e-50 nothing can be computed",
+        "Transform: Scale, Normalize",
+    ),
 }
 
 
@@ -227,8 +319,16 @@ def test_the_figures_are_right_up_to_these_bounds(scale):
         propagated = ms.apply_filter(PROPAGATE)
         remeshed = ms.apply_filter(REMESH)
         model = ms.apply_filter(MODEL)
-        found.append(np.concatenate([propagated["area_ratio_sd"], propagated["residual_mean"] / unit,
-                                     remeshed["surface_distance_mean"] / unit, model["eigenvalues"] / unit / unit]))
+        found.append(
+            np.concatenate(
+                [
+                    propagated["area_ratio_sd"],
+                    propagated["residual_mean"] / unit,
+                    remeshed["surface_distance_mean"] / unit,
+                    model["eigenvalues"] / unit / unit,
+                ]
+            )
+        )
     assert found[1] == pytest.approx(found[0], rel=1e-3, abs=1e-6)
 
 
@@ -323,7 +423,9 @@ def test_area_restoration_out_of_range(amount):
         ms.apply_filter(PROPAGATE, area_restoration=amount)
 
 
-@pytest.mark.parametrize("choice", [{"method": "Best"}, {"order": "Random"}, {"method": 2}, {"order": -1}])
+@pytest.mark.parametrize(
+    "choice", [{"method": "Best"}, {"order": "Random"}, {"method": 2}, {"order": -1}]
+)
 def test_choices_that_do_not_exist(choice):
     ms = mapped_cycle(2)
     before = snapshot(ms)
@@ -332,47 +434,55 @@ def test_choices_that_do_not_exist(choice):
     assert snapshot(ms) == before
 
 
-@pytest.mark.parametrize("text, words", [
-    ("", ["0 numbers for 3 surface layers"]),
-    ("-1 0", ["2 numbers for 3 surface layers"]),
-    ("-1 0 1 2", ["4 numbers for 3 surface layers"]),
-    ("-1 0 one", ['"one" is no layer number']),
-    ("-1 0 1.5", ['"1.5" is no layer number']),
-    ("-1 0 99999999999999999999", ["is no layer number"]),
-    ("-1 0 7", ['layer "phantom cavity 02"', "layer 7", "no visible surface layer"]),
-    ("-1 -1 0", ["the root (-1)"]),
-    ("1 2 1", ["root"]),
-    ("-1 2 1", ["from itself"]),
-    ("-1 1 1", ["from itself"]),
-    ("1 -1 0", ['the root (-1) is layer "phantom cavity 01"', '"phantom cavity 00"']),
-    ("-1 0 -2", ["-2"]),
-])
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("", ["0 numbers for 3 surface layers"]),
+        ("-1 0", ["2 numbers for 3 surface layers"]),
+        ("-1 0 1 2", ["4 numbers for 3 surface layers"]),
+        ("-1 0 one", ['"one" is no layer number']),
+        ("-1 0 1.5", ['"1.5" is no layer number']),
+        ("-1 0 99999999999999999999", ["is no layer number"]),
+        ("-1 0 7", ['layer "phantom cavity 02"', "layer 7", "no visible surface layer"]),
+        ("-1 -1 0", ["the root (-1)"]),
+        ("1 2 1", ["root"]),
+        ("-1 2 1", ["from itself"]),
+        ("-1 1 1", ["from itself"]),
+        ("1 -1 0", ['the root (-1) is layer "phantom cavity 01"', '"phantom cavity 00"']),
+        ("-1 0 -2", ["-2"]),
+    ],
+)
 def test_bad_parents(text, words):
     ms = mapped_cycle(3)
     with refused(ms, *words):
         ms.apply_filter(PROPAGATE, order="Given", parents=text, root_layer=0)
 
 
-@pytest.mark.parametrize("name, words", [("smoothing_sweeps", "smoothing sweeps is -1"), ("icp_iterations", "-1")])
+@pytest.mark.parametrize(
+    "name, words", [("smoothing_sweeps", "smoothing sweeps is -1"), ("icp_iterations", "-1")]
+)
 def test_negative_numbers_of_steps(name, words):
     ms = mapped_cycle(2)
     with refused(ms, words):
         ms.apply_filter(PROPAGATE, method="As published", **{name: -1})
 
 
-@pytest.mark.parametrize("parameters, words", [
-    ({"phases": 0}, "phases"),
-    ({"phases": -3}, "phases"),
-    ({"phases": 10001}, "phases"),
-    ({"voxel_size": 0}, "voxel size"),
-    ({"voxel_size": -2}, "voxel size"),
-    ({"voxel_size": 0.01}, "voxel size"),
-    ({"voxel_size": 100}, "voxel size"),
-    ({"voxel_size": NAN}, "voxel size"),
-    ({"twist": 361}, "twist"),
-    ({"twist": NAN}, "twist"),
-    ({"seed": -1}, "seed"),
-])
+@pytest.mark.parametrize(
+    "parameters, words",
+    [
+        ({"phases": 0}, "phases"),
+        ({"phases": -3}, "phases"),
+        ({"phases": 10001}, "phases"),
+        ({"voxel_size": 0}, "voxel size"),
+        ({"voxel_size": -2}, "voxel size"),
+        ({"voxel_size": 0.01}, "voxel size"),
+        ({"voxel_size": 100}, "voxel size"),
+        ({"voxel_size": NAN}, "voxel size"),
+        ({"twist": 361}, "twist"),
+        ({"twist": NAN}, "twist"),
+        ({"seed": -1}, "seed"),
+    ],
+)
 def test_bad_phantoms(parameters, words):
     ms = mapped_cycle(1)
     with refused(ms, words, "must"):
@@ -383,15 +493,18 @@ def peak_memory():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # MB
 
 
-@pytest.mark.parametrize("frequency, words", [
-    (0, "at least 1, not 0"),
-    (-1, "at least 1, not -1"),
-    (1001, "the largest frequency is 1000"),
-    (100000, "the largest frequency is 1000"),
-    (2**31 - 1, "the largest frequency is 1000"),
-    (-(2**31), "at least 1"),
-    (1000, "30000006 landmarks"),  # in the range, but too much for three layers
-])
+@pytest.mark.parametrize(
+    "frequency, words",
+    [
+        (0, "at least 1, not 0"),
+        (-1, "at least 1, not -1"),
+        (1001, "the largest frequency is 1000"),
+        (100000, "the largest frequency is 1000"),
+        (2**31 - 1, "the largest frequency is 1000"),
+        (-(2**31), "at least 1"),
+        (1000, "30000006 landmarks"),  # in the range, but too much for three layers
+    ],
+)
 def test_absurd_frequencies(frequency, words):
     """They are refused before anything is allocated."""
     ms = mapped_cycle(3)

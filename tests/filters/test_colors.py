@@ -1,17 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Colour by spherical parameterisation: the same place has the same colour on every layer; area ratios as quality."""
+
 import sys
 
 import numpy as np
 import pymeshlab
 import pytest
-
-from documents import (COLOR, EVALUATE, PROPAGATE, REMESH, ROOT, SPHERES, add, has_attribute, landmark_layers, layer, layers, mapped_cycle,
-                       positions, refused, small_cycle, snapshot)
+from documents import (
+    COLOR,
+    EVALUATE,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    has_attribute,
+    landmark_layers,
+    layers,
+    mapped_cycle,
+    positions,
+    refused,
+    small_cycle,
+    snapshot,
+)
 from environment import PROJECT
 from surfaces import egg, open_egg
 
 sys.path.insert(0, str(PROJECT / "python"))
-from sphere_propagation.colors import map_colors, sphere_coordinates  # noqa: E402
+from sphere_propagation.colors import map_colors, sphere_coordinates
 
 PATTERNS = ["Checkerboard", "Latitude and longitude", "Direction", "Area ratio"]
 
@@ -46,14 +62,18 @@ def far_from_edges(places, cells, around, least=0.06):
     longitude, latitude = sphere_coordinates(places)
     u, v = longitude * around, (1 - latitude) / 2 * cells
     width = np.sqrt(np.maximum(1 - places[:, 2] ** 2, 1e-12)) * 2 * np.pi / around
-    return (np.abs(u - np.round(u)) * width > least) & (np.abs(v - np.round(v)) * np.pi / cells > least)
+    return (np.abs(u - np.round(u)) * width > least) & (
+        np.abs(v - np.round(v)) * np.pi / cells > least
+    )
 
 
 def test_the_checkerboard_is_that_of_the_pictures(project):
     """An independent implementation, which knows no blending, agrees away from the edges; blending stays within its two sides."""
     assert project.apply_filter(COLOR, cells=4)["layers"] == 9
     checked = 0
-    for mesh, places in [(m, positions(m)) for m in surfaces_of(project)] + [(m, m.vertex_matrix()) for m in spheres(project)]:
+    for mesh, places in [(m, positions(m)) for m in surfaces_of(project)] + [
+        (m, m.vertex_matrix()) for m in spheres(project)
+    ]:
         longitude, latitude = sphere_coordinates(places)
         expected = 255 * map_colors(longitude, latitude, cells=4)
         inside = far_from_edges(places, 4, 6, least=0.3)
@@ -80,7 +100,14 @@ def test_the_same_place_has_the_same_colour_on_every_layer(project):
         colours.append(rgb(mesh))
     marks = landmark_layers(project)
     assert all(np.array_equal(rgb(m), rgb(marks[0])) for m in marks)
-    root, others = 0, [i for i, m in enumerate(layers(project)) if m in surfaces_of(project) or m in spheres(project)]
+    root, others = (
+        0,
+        [
+            i
+            for i, m in enumerate(layers(project))
+            if m in surfaces_of(project) or m in spheres(project)
+        ],
+    )
     compared = 0
     for i in others[1:]:
         cosine = places[i] @ places[root].T
@@ -94,7 +121,9 @@ def test_landmarks_match_their_surface(project):
     """The landmark nearest to a vertex of the surface has nearly its colour."""
     project.apply_filter(COLOR, pattern="Direction")
     for surface, marks in zip(surfaces_of(project), landmark_layers(project)):
-        gaps = np.linalg.norm(surface.vertex_matrix()[:, None] - marks.vertex_matrix()[None], axis=2)
+        gaps = np.linalg.norm(
+            surface.vertex_matrix()[:, None] - marks.vertex_matrix()[None], axis=2
+        )
         difference = np.abs(rgb(surface) - rgb(marks)[gaps.argmin(1)]).max(1)
         assert np.median(difference) < 15
 
@@ -121,7 +150,9 @@ def areas(vertices, faces):
     return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
 
 
-@pytest.mark.parametrize("pattern, more", [("Area ratio", {}), ("Direction", {"store_area_ratio": True})])
+@pytest.mark.parametrize(
+    "pattern, more", [("Area ratio", {}), ("Direction", {"store_area_ratio": True})]
+)
 def test_area_ratios_are_stored_as_quality(pattern, more):
     ms = full_project(3)
     ms.apply_filter(COLOR, pattern=pattern, **more)
@@ -193,7 +224,13 @@ def test_matrices_do_not_matter():
     ms, moved = full_project(2), full_project(2)
     for mesh in layers(moved):
         moved.set_current_mesh(mesh.id())
-        moved.apply_filter("set_matrix", transformmatrix=np.array([[0, 2, 0, 50.0], [-2, 0, 0, 7], [0, 0, 2, -90], [0, 0, 0, 1]]), freeze=False)
+        moved.apply_filter(
+            "set_matrix",
+            transformmatrix=np.array(
+                [[0, 2, 0, 50.0], [-2, 0, 0, 7], [0, 0, 2, -90], [0, 0, 0, 1]]
+            ),
+            freeze=False,
+        )
     for project in (ms, moved):
         project.apply_filter(COLOR, pattern="Checkerboard", store_area_ratio=True)
     for a, b in zip(ms, moved):
@@ -228,8 +265,14 @@ def test_no_map():
         empty.apply_filter(COLOR)
 
 
-@pytest.mark.parametrize("more, words", [({"cells": 1}, "cells"), ({"cells": 100000}, "cells"),
-                                         ({"pattern": "Area ratio", "area_ratio_limit": 1.0}, "area ratio")])
+@pytest.mark.parametrize(
+    "more, words",
+    [
+        ({"cells": 1}, "cells"),
+        ({"cells": 100000}, "cells"),
+        ({"pattern": "Area ratio", "area_ratio_limit": 1.0}, "area ratio"),
+    ],
+)
 def test_parameters_out_of_range(project, more, words):
     with refused(project, words):
         project.apply_filter(COLOR, **more)
@@ -255,11 +298,16 @@ def test_spheres_beside_the_surfaces():
     right = max(m.vertex_matrix()[:, 0].max() for m in surfaces_of(ms))
     centres = []
     for surface, sphere in zip(surfaces_of(ms), spheres(ms)):
-        assert np.array_equal(sphere.vertex_matrix(), positions(surface))  # on the unit sphere: the matrix alone shows it elsewhere
+        assert np.array_equal(
+            sphere.vertex_matrix(), positions(surface)
+        )  # on the unit sphere: the matrix alone shows it elsewhere
         matrix = sphere.transform_matrix()
         radius = np.linalg.det(matrix[:3, :3]) ** (1 / 3)
         assert np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, radius**2 * np.eye(3))
-        seen, around = surface.vertex_matrix() - surface.vertex_matrix().mean(0), sphere.vertex_matrix() @ matrix[:3, :3].T
+        seen, around = (
+            surface.vertex_matrix() - surface.vertex_matrix().mean(0),
+            sphere.vertex_matrix() @ matrix[:3, :3].T,
+        )
         cosine = (seen * around).sum(1) / np.linalg.norm(seen, axis=1) / radius
         assert np.median(cosine) > 0.8  # the same side is in front
         area = areas(surface.vertex_matrix(), surface.face_matrix()).sum()
@@ -288,6 +336,7 @@ def volumes(ms):
 def dialog(ms, name, parameter, path):
     """Label and tooltip of a parameter, as a filter script writes them."""
     from documents import MENU_OF, written_script
+
     return dict(written_script(ms, path))[MENU_OF[name]][parameter]
 
 
@@ -298,7 +347,10 @@ def test_dialogs_name_the_largest_layer(current, tmp_path):
     ms.set_current_mesh(current)
     ms.apply_filter(ROOT)
     ms.apply_filter(PROPAGATE)
-    root, propagate = (dialog(ms, n, p, tmp_path / "s.mlx") for n, p in ((ROOT, "initial_map"), (PROPAGATE, "root_layer")))
+    root, propagate = (
+        dialog(ms, n, p, tmp_path / "s.mlx")
+        for n, p in ((ROOT, "initial_map"), (PROPAGATE, "root_layer"))
+    )
     named = '"phantom cavity 00"'
     assert named in propagate["tooltip"]
     assert (named in root["description"]) == (current == 2)

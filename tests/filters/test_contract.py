@@ -1,17 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The names, parameters, defaults and returned keys that users and measurements rely on."""
+
 import numpy as np
 import pymeshlab
 import pytest
-
-from documents import (COLOR, EVALUATE, FIGURES, FILTERS, MENU_OF, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, labels,
-                       mapped_cycle, positions, small_cycle, written_script)
+from documents import (
+    COLOR,
+    EVALUATE,
+    FIGURES,
+    FILTERS,
+    MENU_OF,
+    MODEL,
+    PHANTOM,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    labels,
+    mapped_cycle,
+    positions,
+    small_cycle,
+    written_script,
+)
 from environment import PROJECT
 from surfaces import egg
 
 # Parameters in their order, with their defaults; a list is a choice whose first entry is the default.
 PARAMETERS = {
     PHANTOM: {"part": ["Cavity", "Wall"], "phases": 25, "voxel_size": 2.0, "twist": 0.0, "seed": 0},
-    ROOT: {"initial_map": ["Automatic", "Brechbuehler", "Harmonic"], "area_weight": 0.9, "threads": 0},
+    ROOT: {
+        "initial_map": ["Automatic", "Brechbuehler", "Harmonic"],
+        "area_weight": 0.9,
+        "threads": 0,
+    },
     PROPAGATE: {
         "root_layer": 0,
         "method": ["Robust", "As published"],
@@ -50,13 +72,36 @@ PARAMETERS = {
 RETURNED = {
     PHANTOM: {"layers", "vertices", "seconds"},
     ROOT: set(FIGURES),
-    PROPAGATE: {"parent", "residual_mean", "residual_p95", "repaired_faces", "route", "mirrored", *FIGURES},
+    PROPAGATE: {
+        "parent",
+        "residual_mean",
+        "residual_p95",
+        "repaired_faces",
+        "route",
+        "mirrored",
+        *FIGURES,
+    },
     REMESH: {"surface_distance_mean", "surface_distance_max", "seconds"},
     EVALUATE: {"valid", "degree", "root", *FIGURES},
     SPHERES: {"layers"},
     COLOR: {"layers"},
-    MODEL: {"eigenvalues", "compactness", "variance_share", "generalisation", "generalisation_error", "specificity",
-            "specificity_error", "scores", "mean", "mode_vectors", "total_variance", "shapes", "modes", "landmarks", "seconds"},
+    MODEL: {
+        "eigenvalues",
+        "compactness",
+        "variance_share",
+        "generalisation",
+        "generalisation_error",
+        "specificity",
+        "specificity_error",
+        "scores",
+        "mean",
+        "mode_vectors",
+        "total_variance",
+        "shapes",
+        "modes",
+        "landmarks",
+        "seconds",
+    },
 }
 
 
@@ -94,7 +139,9 @@ def test_menu_names_and_choices(tour, tmp_path):
             assert written["description"] and len(written["tooltip"]) > 20, parameter
             if isinstance(default, list):
                 assert written["type"] == "RichEnum"
-                assert [written[f"enum_val{i}"] for i in range(int(written["enum_cardinality"]))] == default
+                assert [
+                    written[f"enum_val{i}"] for i in range(int(written["enum_cardinality"]))
+                ] == default
 
 
 @pytest.mark.parametrize("name", FILTERS)
@@ -111,7 +158,9 @@ def test_the_root_returns_numbers(tour):
 @pytest.mark.parametrize("name", [PROPAGATE, REMESH, EVALUATE])
 def test_several_layers_return_one_entry_each(tour, name):
     for key, value in tour[1][name].items():
-        assert isinstance(value, np.ndarray) and value.shape == (3,) and np.isfinite(value).all(), key
+        assert isinstance(value, np.ndarray) and value.shape == (3,) and np.isfinite(value).all(), (
+            key
+        )
     assert (tour[1][name]["seconds"] > 0)[1:].all()
 
 
@@ -124,7 +173,9 @@ def test_the_phantom_says_what_it_made(tour):
 @pytest.mark.parametrize("name", FILTERS)
 def test_returned_keys_are_documented(name):
     """PyMeshLab shows no filter's description, so it is looked for in the filter's source."""
-    sources = [path.read_text() for path in (PROJECT / "filter_sphere_propagation").glob("*_filter.cpp")]
+    sources = [
+        path.read_text() for path in (PROJECT / "filter_sphere_propagation").glob("*_filter.cpp")
+    ]
     (source,) = [text for text in sources if f'"{name}"' in text]
     if "mapFiguresInfo()" in source:
         source += (PROJECT / "filter_sphere_propagation/reporting.cpp").read_text()
@@ -135,7 +186,13 @@ def test_returned_keys_are_documented(name):
 def test_new_layers_are_called_after_their_source(tour):
     surfaces = [f"phantom cavity {t:02d}" for t in range(3)]
     model = ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd", "mode 2 -3 sd", "mode 2 +3 sd"]
-    assert labels(tour[0]) == surfaces + [s + " landmarks" for s in surfaces] + [s + " sphere" for s in surfaces] + model
+    assert (
+        labels(tour[0])
+        == surfaces
+        + [s + " landmarks" for s in surfaces]
+        + [s + " sphere" for s in surfaces]
+        + model
+    )
 
 
 def test_sphere_layers_are_the_surface_on_the_sphere(tour):
@@ -175,11 +232,14 @@ def test_landmarks_without_colours():
 
 
 @pytest.mark.parametrize("root", [0, 2, 4])
-@pytest.mark.parametrize("order, parents", [
-    ("Time", {0: [-1, 0, 1, 2, 3], 2: [1, 2, -1, 2, 3], 4: [1, 2, 3, 4, -1]}),
-    ("Cyclic time", {0: [-1, 0, 1, 4, 0], 2: [1, 2, -1, 2, 3], 4: [4, 0, 3, 4, -1]}),
-    ("Star", {0: [-1, 0, 0, 0, 0], 2: [2, 2, -1, 2, 2], 4: [4, 4, 4, 4, -1]}),
-])
+@pytest.mark.parametrize(
+    "order, parents",
+    [
+        ("Time", {0: [-1, 0, 1, 2, 3], 2: [1, 2, -1, 2, 3], 4: [1, 2, 3, 4, -1]}),
+        ("Cyclic time", {0: [-1, 0, 1, 4, 0], 2: [1, 2, -1, 2, 3], 4: [4, 0, 3, 4, -1]}),
+        ("Star", {0: [-1, 0, 0, 0, 0], 2: [2, 2, -1, 2, 2], 4: [4, 4, 4, 4, -1]}),
+    ],
+)
 def test_order(order, parents, root):
     ms = small_cycle(5)
     ms.set_current_mesh(root)
@@ -217,7 +277,12 @@ def test_parents_are_layer_numbers_not_places_in_the_list():
     ms.delete_current_mesh()
     ms.set_current_mesh(3)
     ms.apply_filter(ROOT)
-    assert ms.apply_filter(PROPAGATE, order="Given", parents="2 3 -1 3")["parent"].tolist() == [2, 3, -1, 3]
+    assert ms.apply_filter(PROPAGATE, order="Given", parents="2 3 -1 3")["parent"].tolist() == [
+        2,
+        3,
+        -1,
+        3,
+    ]
     assert ms.apply_filter(PROPAGATE, order="Time")["parent"].tolist() == [2, 3, -1, 3]
 
 
@@ -243,7 +308,9 @@ def test_methods_differ():
     assert not np.allclose(found["Robust"], found["As published"], atol=0.01)
 
 
-@pytest.mark.parametrize("constant", [{"anisotropic_scaling": False}, {"icp_iterations": 0}, {"smoothing_sweeps": 0}])
+@pytest.mark.parametrize(
+    "constant", [{"anisotropic_scaling": False}, {"icp_iterations": 0}, {"smoothing_sweeps": 0}]
+)
 def test_constants_of_the_published_method_matter(constant):
     ms = small_cycle(3)
     ms.apply_filter(ROOT)
@@ -253,4 +320,6 @@ def test_constants_of_the_published_method_matter(constant):
     assert not np.allclose(usual, positions(ms.mesh(2)), atol=1e-6)
     assert returned["flipped_faces"].sum() == 0
     if "smoothing_sweeps" in constant:
-        assert returned["repaired_faces"].sum() > 0  # what the sweeps do not smooth away is repaired, and counted
+        assert (
+            returned["repaired_faces"].sum() > 0
+        )  # what the sweeps do not smooth away is repaired, and counted

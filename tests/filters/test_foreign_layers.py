@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """A layer of another kind among the phases of a heart: it may come out as it will, but spoils no other layer."""
+
 import numpy as np
 import pymeshlab
 import pytest
-
 from documents import PROPAGATE, REMESH, ROOT, add, landmark_layers
 from environment import files_of
 
@@ -20,7 +21,9 @@ def organ(measure, name, like=None):
     vertex, f = measure.read_ply(next(file for file in files_of("classic") if file.stem == name))
     v = measure.points(vertex)
     if like is not None:
-        v = (v - v.mean(0)) * np.linalg.norm(np.ptp(like, axis=0)) / np.linalg.norm(np.ptp(v, axis=0)) + like.mean(0)
+        v = (v - v.mean(0)) * np.linalg.norm(np.ptp(like, axis=0)) / np.linalg.norm(
+            np.ptp(v, axis=0)
+        ) + like.mean(0)
     return v, f
 
 
@@ -42,11 +45,15 @@ def landmarks(ms):
 def test_the_layers_behind_it_get_the_maps_that_they_get_without_it(phases, measure, name):
     sound = project(phases)
     sound.apply_filter(PROPAGATE)
-    mixed = project([*phases[:FOREIGN], organ(measure, name, phases[FOREIGN][0]), *phases[FOREIGN + 1:]])
+    mixed = project(
+        [*phases[:FOREIGN], organ(measure, name, phases[FOREIGN][0]), *phases[FOREIGN + 1 :]]
+    )
     mixed.apply_filter(PROPAGATE)
     for i, (a, b) in enumerate(zip(landmarks(sound), landmarks(mixed))):
         if i != FOREIGN:
-            assert np.linalg.norm(a - b, axis=1).mean() < 3, i  # mm; 25 to 48 where they were fitted from it
+            assert np.linalg.norm(a - b, axis=1).mean() < 3, (
+                i
+            )  # mm; 25 to 48 where they were fitted from it
 
 
 def test_nothing_behind_it_is_reflected(phases, measure):

@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The main job: root map, propagation and remeshing of whole heart cycles, measured by the yardstick from what is stored."""
+
 import numpy as np
 import pytest
-
 from cycles import OTHER_SEED, project_of, run_pipeline
 from documents import PROPAGATE, ROOT, positions
 
@@ -26,9 +27,16 @@ def test_the_copy_in_texture_coordinates_is_valid_too(run, measure):
 @pytest.mark.parametrize("returned", ["propagation", "evaluation"])
 def test_returned_figures_are_the_yardsticks(run, returned):
     returned = getattr(run, returned)
-    names = {"flipped_faces": "flips", "area_ratio_sd": "sd", "area_log_mean": "log", "angle_error_mean": "angle"}
+    names = {
+        "flipped_faces": "flips",
+        "area_ratio_sd": "sd",
+        "area_log_mean": "log",
+        "angle_error_mean": "angle",
+    }
     for ours, theirs in names.items():
-        assert returned[ours] == pytest.approx([f[theirs] for f in run.figures], rel=1e-6, abs=1e-9), ours
+        assert returned[ours] == pytest.approx(
+            [f[theirs] for f in run.figures], rel=1e-6, abs=1e-9
+        ), ours
 
 
 def test_evaluation_certifies_every_layer(run):
@@ -41,7 +49,12 @@ def test_the_root_keeps_its_map(run):
         if name != "seconds":
             assert run.propagation[name][0] == pytest.approx(value, rel=1e-9), name
     assert run.figures[0]["sd"] <= 0.01
-    assert run.propagation["residual_mean"][0] == run.propagation["residual_p95"][0] == run.propagation["repaired_faces"][0] == 0
+    assert (
+        run.propagation["residual_mean"][0]
+        == run.propagation["residual_p95"][0]
+        == run.propagation["repaired_faces"][0]
+        == 0
+    )
 
 
 def test_residuals_are_those_of_neighbours_in_time(run):
@@ -89,10 +102,17 @@ def test_surface_distances_are_those_of_the_yardstick(run, measure):
         (v, f), x, g = run.surfaces[i], run.landmarks[i], run.landmark_faces[i]
         forth = measure.closest_points(v, f, x[g].mean(1))[2]
         back = measure.closest_points(x, g, v)[2]
-        vertex_areas = np.bincount(f.ravel(), np.repeat(measure.triangle_areas(v, f) / 3, 3), len(v))
-        mean = (0.75 * np.average(forth, weights=measure.triangle_areas(x, g)) + np.average(back, weights=vertex_areas)) / 2
+        vertex_areas = np.bincount(
+            f.ravel(), np.repeat(measure.triangle_areas(v, f) / 3, 3), len(v)
+        )
+        mean = (
+            0.75 * np.average(forth, weights=measure.triangle_areas(x, g))
+            + np.average(back, weights=vertex_areas)
+        ) / 2
         assert run.remeshing["surface_distance_mean"][i] == pytest.approx(mean, rel=0.01)
-        assert run.remeshing["surface_distance_max"][i] == pytest.approx(max(forth.max(), back.max()), rel=0.01)
+        assert run.remeshing["surface_distance_max"][i] == pytest.approx(
+            max(forth.max(), back.max()), rel=0.01
+        )
 
 
 # ---------------------------------------------------------------- who gets its map from whom
@@ -101,7 +121,9 @@ def test_surface_distances_are_those_of_the_yardstick(run, measure):
 @pytest.mark.parametrize("method", ["Robust", "As published"])
 def test_parents_in_time_order(sequence, method):
     count = len(run_pipeline(sequence, method, "Time").surfaces)
-    assert run_pipeline(sequence, method, "Time").propagation["parent"].tolist() == [i - 1 for i in range(count)]
+    assert run_pipeline(sequence, method, "Time").propagation["parent"].tolist() == [
+        i - 1 for i in range(count)
+    ]
     cyclic = [i - 1 if i <= count // 2 else (i + 1) % count for i in range(count)]
     assert run_pipeline(sequence, method, "Cyclic time").propagation["parent"].tolist() == cyclic
 
@@ -115,7 +137,9 @@ def test_every_layer_can_be_the_root(sequence, measure):
         ms.set_current_mesh(mesh.id())
         returned = ms.apply_filter(ROOT)
         figures = measure.map_figures(mesh.vertex_matrix(), mesh.face_matrix(), positions(mesh))
-        assert figures["flips"] == 0 and figures["degree"] == pytest.approx(1, abs=1e-9), mesh.label()
+        assert figures["flips"] == 0 and figures["degree"] == pytest.approx(1, abs=1e-9), (
+            mesh.label()
+        )
         assert figures["sd"] <= 0.01, mesh.label()
         assert returned["flipped_faces"] == 0
         assert returned["area_ratio_sd"] == pytest.approx(figures["sd"], rel=1e-6)
@@ -159,7 +183,8 @@ def test_error_on_a_real_heart(truth, measure):
 def test_error_on_a_phantom_of_another_seed(ventricle, part):
     known = ventricle(part, OTHER_SEED)
     robust, published = (
-        known.errors(run_pipeline(f"yardstick {part}", method, "Cyclic time").landmarks) for method in ("Robust", "As published")
+        known.errors(run_pipeline(f"yardstick {part}", method, "Cyclic time").landmarks)
+        for method in ("Robust", "As published")
     )
     assert max(robust) < 0.9 * max(published)
     assert np.mean(robust) < 0.9 * np.mean(published)
@@ -181,7 +206,9 @@ def test_the_branches_of_a_cycle_are_compared_where_they_meet():
     for method in ("Robust", "As published"):
         ms = project_of("phantom cavity")
         ms.apply_filter(ROOT)
-        returned = ms.apply_filter(PROPAGATE, order="Cyclic time", method=method, residual_quality=True)
+        returned = ms.apply_filter(
+            PROPAGATE, order="Cyclic time", method=method, residual_quality=True
+        )
         apart[method] = returned["branch_distance"]
         assert 0 < returned["branch_angle"] < 30
         for mesh, residual in zip(ms, returned["residual_mean"]):

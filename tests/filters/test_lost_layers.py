@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Layers that the motion fit loses: valid maps all the same, and a word about them in the log."""
+
 import subprocess
 import sys
 
@@ -22,7 +24,9 @@ ms.set_current_mesh(0)
 
 
 def log_of(script, before=SCRIPT):
-    run = subprocess.run([sys.executable, "-c", before + script], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", before + script], capture_output=True, text=True, check=True
+    )
     return run.stdout + run.stderr
 
 
@@ -33,16 +37,23 @@ def test_the_log_says_which_layer_was_lost():
 
 
 def test_the_route_says_how_each_layer_got_its_map():
-    log = log_of(f"ms.apply_filter({ROOT!r}); print('route', ms.apply_filter({PROPAGATE!r})['route'].tolist())")
+    log = log_of(
+        f"ms.apply_filter({ROOT!r}); print('route', ms.apply_filter({PROPAGATE!r})['route'].tolist())"
+    )
     assert "route [0.0, 1.0, " in log
 
 
 def test_the_log_names_a_layer_in_another_pose():
-    script = SCRIPT.replace('"compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True',
-                            '"compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500')
+    script = SCRIPT.replace(
+        '"compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True',
+        '"compute_matrix_from_translation", traslmethod="XYZ translation", axisx=500',
+    )
     assert script != SCRIPT
     log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})", script)
-    assert "Warning: phantom cavity 01: it lies in another pose and was laid on its parent for the fit" in log
+    assert (
+        "Warning: phantom cavity 01: it lies in another pose and was laid on its parent for the fit"
+        in log
+    )
     assert "lost" not in log
     assert "Warning: phantom cavity 02" not in log
 
@@ -55,8 +66,12 @@ def sphere(radius, centre=0.0):
     ms.set_current_mesh(ms.current_mesh_id())
     ms.apply_filter("compute_spherical_parameterisation_root")
 """
-    assert "is itself a sphere: any rotation of its map is as good" in log_of(sphere + "sphere(35, 100)")
-    assert "lies on the unit sphere, so the other filters take it for one" in log_of(sphere + "sphere(1)")
+    assert "is itself a sphere: any rotation of its map is as good" in log_of(
+        sphere + "sphere(35, 100)"
+    )
+    assert "lies on the unit sphere, so the other filters take it for one" in log_of(
+        sphere + "sphere(1)"
+    )
     log = log_of(f"ms.apply_filter({ROOT!r})")
     assert "itself a sphere" not in log and "unit sphere" not in log
 

@@ -1,13 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Maps that do not belong together: told apart by the root that they came from, named in the log, refused by the model."""
+
 import subprocess
 import sys
 
 import numpy as np
 import pymeshlab
 import pytest
-
-from documents import (ATTRIBUTE, EVALUATE, MODEL, PROPAGATE, REMESH, ROOT, SPHERES, add, digest, landmark_layers, layers,
-                       mapped_cycle, positions, refused, small_cycle)
+from documents import (
+    ATTRIBUTE,
+    EVALUATE,
+    MODEL,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    digest,
+    landmark_layers,
+    layers,
+    mapped_cycle,
+    positions,
+    refused,
+    small_cycle,
+)
 from environment import PLUGIN
 
 MARK = "sphere_root"
@@ -49,7 +65,9 @@ def delete(number):
     ms.set_current_mesh(number)
     ms.delete_current_mesh()
 """
-    run = subprocess.run([sys.executable, "-c", before + script], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", before + script], capture_output=True, text=True, check=True
+    )
     return run.stdout + run.stderr
 
 
@@ -123,11 +141,17 @@ def test_copies_keep_their_root_where_they_keep_the_attribute():
     assert known == [known[0]] * 3 + [-1]
 
 
-@pytest.mark.parametrize("name, parameters", [
-    ("apply_coord_laplacian_smoothing", {"stepsmoothnum": 1}),
-    ("compute_matrix_from_translation", {"traslmethod": "XYZ translation", "axisx": 5, "freeze": True}),
-    ("apply_color_inverse_per_vertex", {}),
-])
+@pytest.mark.parametrize(
+    "name, parameters",
+    [
+        ("apply_coord_laplacian_smoothing", {"stepsmoothnum": 1}),
+        (
+            "compute_matrix_from_translation",
+            {"traslmethod": "XYZ translation", "axisx": 5, "freeze": True},
+        ),
+        ("apply_color_inverse_per_vertex", {}),
+    ],
+)
 def test_filters_that_keep_the_map_keep_its_root(name, parameters):
     ms = mapped_cycle(2)
     before = roots(ms)
@@ -138,7 +162,9 @@ def test_filters_that_keep_the_map_keep_its_root(name, parameters):
 
 def test_vertices_without_a_root_make_it_unknown():
     ms = mapped_cycle(1)
-    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1, threshold=pymeshlab.PercentageValue(0))
+    ms.apply_filter(
+        "meshing_surface_subdivision_midpoint", iterations=1, threshold=pymeshlab.PercentageValue(0)
+    )
     assert ms.mesh(0).vertex_number() > 1000
     assert len(np.unique(ms.mesh(0).vertex_custom_scalar_attribute_array(MARK))) > 1
     assert roots(ms) == [-1]
@@ -175,20 +201,27 @@ def test_a_layer_joined_of_two_has_no_root():
 
 
 def test_layers_of_one_root_are_not_complained_of():
-    log = log_of("ms.apply_filter(EVALUATE); ms.apply_filter(SPHERES); ms.apply_filter(COLOR); ms.apply_filter(MODEL)")
+    log = log_of(
+        "ms.apply_filter(EVALUATE); ms.apply_filter(SPHERES); ms.apply_filter(COLOR); ms.apply_filter(MODEL)"
+    )
     assert "Warning" not in log and "is not known" not in log
 
 
 @pytest.mark.parametrize("name", ["REMESH", "EVALUATE", "SPHERES", "COLOR"])
 def test_maps_of_different_roots_are_named(name):
     log = log_of(f"remap(1); ms.apply_filter({name})")
-    assert ('Warning: the maps come from different roots ("phantom cavity 00", "phantom cavity 02" from one; '
-            '"phantom cavity 01" from another), so that') in log
+    assert (
+        'Warning: the maps come from different roots ("phantom cavity 00", "phantom cavity 02" from one; '
+        '"phantom cavity 01" from another), so that'
+    ) in log
 
 
 def test_a_root_map_on_every_layer_is_named_group_by_group():
     log = log_of("for i in range(6): remap(i)\nms.apply_filter(REMESH)", phases=6)
-    assert '("phantom cavity 00" from one; "phantom cavity 01" from another;' in log and "; and 2 more roots)" in log
+    assert (
+        '("phantom cavity 00" from one; "phantom cavity 01" from another;' in log
+        and "; and 2 more roots)" in log
+    )
 
 
 def test_layers_of_unknown_root_beside_others_are_named_without_a_warning():
@@ -202,13 +235,23 @@ ms.apply_filter(REMESH)
     assert "different roots" not in log
 
 
-@pytest.mark.parametrize("stale", ["one remapped", "new root without propagation", "each its own root"])
+@pytest.mark.parametrize(
+    "stale", ["one remapped", "new root without propagation", "each its own root"]
+)
 def test_the_model_refuses_landmarks_of_different_roots(stale):
     ms = mapped_cycle(3)
-    for number in {"one remapped": [2], "new root without propagation": [0], "each its own root": [0, 1, 2]}[stale]:
+    for number in {
+        "one remapped": [2],
+        "new root without propagation": [0],
+        "each its own root": [0, 1, 2],
+    }[stale]:
         remap(ms, number, area_weight=0.5)
     ms.apply_filter(REMESH)
-    named = ['"phantom cavity 00 landmarks"', '"phantom cavity 02 landmarks"', "Propagate parameterisation to layers"]
+    named = [
+        '"phantom cavity 00 landmarks"',
+        '"phantom cavity 02 landmarks"',
+        "Propagate parameterisation to layers",
+    ]
     with refused(ms, "sampled from maps of different roots", *named):
         ms.apply_filter(MODEL)
     ms.apply_filter(PROPAGATE, root_layer=0)
@@ -255,10 +298,16 @@ ms.apply_filter(MODEL)
 
 
 def test_landmarks_of_an_earlier_map_are_named():
-    log = log_of("ms.apply_filter(PROPAGATE, method='As published', root_layer=0); ms.apply_filter(MODEL)")
-    assert ('Warning: the maps of the surfaces of "phantom cavity 01 landmarks", "phantom cavity 02 landmarks" have changed '
-            'since these landmarks were made. Run "Remesh by icosphere" again.') in log
-    again = log_of("ms.apply_filter(PROPAGATE, method='As published', root_layer=0)\nms.apply_filter(REMESH, frequency=4)\nms.apply_filter(MODEL)")
+    log = log_of(
+        "ms.apply_filter(PROPAGATE, method='As published', root_layer=0); ms.apply_filter(MODEL)"
+    )
+    assert (
+        'Warning: the maps of the surfaces of "phantom cavity 01 landmarks", "phantom cavity 02 landmarks" have changed '
+        'since these landmarks were made. Run "Remesh by icosphere" again.'
+    ) in log
+    again = log_of(
+        "ms.apply_filter(PROPAGATE, method='As published', root_layer=0)\nms.apply_filter(REMESH, frequency=4)\nms.apply_filter(MODEL)"
+    )
     assert "Warning" not in again
 
 

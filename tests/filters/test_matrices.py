@@ -1,9 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """A layer's geometry is its matrix times its vertices, and new layers have the identity."""
+
 import numpy as np
 import pymeshlab
 import pytest
-
-from documents import EVALUATE, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, layers, positions, refused, small_cycle
+from documents import (
+    EVALUATE,
+    PHANTOM,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    layers,
+    positions,
+    refused,
+    small_cycle,
+)
 from surfaces import egg
 
 
@@ -68,7 +81,11 @@ def two_projects(m, which):
 
 
 # One layer of another size alone would correspond to nothing.
-@pytest.mark.parametrize("name, which", [(name, (0, 1, 2)) for name in MATRICES] + [("translated", (1,)), ("rotated", (1,)), ("sheared", (0,))])
+@pytest.mark.parametrize(
+    "name, which",
+    [(name, (0, 1, 2)) for name in MATRICES]
+    + [("translated", (1,)), ("rotated", (1,)), ("sheared", (0,))],
+)
 def test_landmarks_lie_where_the_surface_is_seen(name, which):
     moved = MATRICES[name]
     # Shear rounds otherwise, which the root's iterations make 6e-5; where two nodes compete for the motion model's next
@@ -127,7 +144,9 @@ def test_a_map_survives_freezing_the_matrix(moved):
     ms.apply_filter(ROOT)
     before = ms.apply_filter(EVALUATE)
     ms.apply_filter("apply_matrix_freeze")
-    if np.linalg.det(moved[:3, :3]) < 0:  # MeshLab does not turn the faces round; the error that one meets says what to do
+    if (
+        np.linalg.det(moved[:3, :3]) < 0
+    ):  # MeshLab does not turn the faces round; the error that one meets says what to do
         with refused(ms, "oriented inwards"):
             ms.apply_filter(EVALUATE)
         ms.apply_filter("meshing_invert_face_orientation")
@@ -136,10 +155,14 @@ def test_a_map_survives_freezing_the_matrix(moved):
     assert after["area_ratio_sd"] == pytest.approx(before["area_ratio_sd"], rel=1e-6)
 
 
-@pytest.mark.parametrize("m, words", [
-    (matrix(np.zeros((3, 3))), "zero area"),
-    (matrix(np.full((3, 3), np.nan)), "not finite"),
-], ids=["zero", "nan"])
+@pytest.mark.parametrize(
+    "m, words",
+    [
+        (matrix(np.zeros((3, 3))), "zero area"),
+        (matrix(np.full((3, 3), np.nan)), "not finite"),
+    ],
+    ids=["zero", "nan"],
+)
 def test_a_matrix_that_leaves_no_surface(m, words):
     ms = pymeshlab.MeshSet()
     add(ms, *egg(), "egg")

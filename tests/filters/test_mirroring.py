@@ -1,9 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """mirror_layers of the propagation: layers that are mirror images of the others are reflected before they get their map."""
+
 import numpy as np
 import pymeshlab
 import pytest
-
-from documents import EVALUATE, PROPAGATE, REMESH, ROOT, add, content, landmark_layers, layer, positions, refused, snapshot
+from documents import (
+    EVALUATE,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    add,
+    content,
+    landmark_layers,
+    layer,
+    positions,
+    refused,
+    snapshot,
+)
 from environment import files_of
 from surfaces import egg
 
@@ -12,13 +25,19 @@ def lopsided(phase, turn=0):
     """A shape without any plane of symmetry, which shrinks a little from phase to phase."""
     v, f = egg(14, 20, radii=(40, 30, 22))
     d = v / np.linalg.norm(v, axis=1, keepdims=True)
-    bump = 1 + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1)) + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+    bump = (
+        1
+        + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1))
+        + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+    )
     return v * bump[:, None] * (1 - 0.02 * phase) + [5, 6, 7], f
 
 
 def centroid(v, f):
     corners = v[f]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
     return (corners.mean(1) * areas[:, None]).sum(0) / areas.sum()
 
 
@@ -57,7 +76,9 @@ def volume(v, f):
 def test_a_mirrored_heart_among_others_is_as_if_it_never_was():
     shapes = hearts()
     plain = project(shapes)
-    assert not plain.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"].any()
+    assert not plain.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)[
+        "mirrored"
+    ].any()
     expected = landmarks(plain)
     ms = project([mirrored(*s) if i in (2, 5) else s for i, s in enumerate(shapes)])
     figures = ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)
@@ -67,7 +88,11 @@ def test_a_mirrored_heart_among_others_is_as_if_it_never_was():
     normals = ms.mesh(2).vertex_normal_matrix(), plain.mesh(2).vertex_normal_matrix()
     assert np.abs(normals[0] - normals[1]).max() < 1e-6
     evaluated = ms.apply_filter(EVALUATE)
-    assert evaluated["valid"].all() and np.abs(evaluated["degree"] - 1).max() < 1e-9 and not evaluated["flipped_faces"].any()
+    assert (
+        evaluated["valid"].all()
+        and np.abs(evaluated["degree"] - 1).max() < 1e-9
+        and not evaluated["flipped_faces"].any()
+    )
     for found, wanted in zip(landmarks(ms), expected):
         assert np.linalg.norm(found - wanted, axis=1).mean() < 0.05
 
@@ -79,9 +104,13 @@ def test_a_mirrored_heart_elsewhere_is_mirrored_and_its_pose_found():
     plain.apply_filter(PROPAGATE, order="Cyclic time")
     expected = landmarks(plain)[2]
     ms = project([mirrored(*s, plane=0) if i == 2 else s for i, s in enumerate(shapes)])
-    assert np.flatnonzero(ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"]).tolist() == [2]
+    assert np.flatnonzero(
+        ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"]
+    ).tolist() == [2]
     difference = landmarks(ms)[2] - expected
-    assert np.ptp(difference[:, 0]) < 4  # they differ by a shift, and little else: landmarks lie 3 mm apart
+    assert (
+        np.ptp(difference[:, 0]) < 4
+    )  # they differ by a shift, and little else: landmarks lie 3 mm apart
     assert np.linalg.norm(difference - difference.mean(0), axis=1).mean() < 1.5
 
 
@@ -103,7 +132,10 @@ def test_without_the_option_surfaces_stay():
     assert not ms.apply_filter(PROPAGATE)["mirrored"].any()
     for m, was in zip(ms, before):
         now = content(m)
-        assert all(now[name] == was[name] for name in ("vertices", "faces", "vertex normals", "face normals", "matrix"))
+        assert all(
+            now[name] == was[name]
+            for name in ("vertices", "faces", "vertex normals", "face normals", "matrix")
+        )
 
 
 def test_a_second_run_finds_nothing_to_mirror():
@@ -155,7 +187,9 @@ def test_what_belongs_to_vertices_and_corners_stays_with_them():
     def corner_texture(mesh):
         """{(face, vertex): texture coordinates}"""
         texture, faces = mesh.wedge_tex_coord_matrix().reshape(-1, 3, 2), mesh.face_matrix()
-        return {(i, int(faces[i, k])): tuple(texture[i, k]) for i in range(len(faces)) for k in range(3)}
+        return {
+            (i, int(faces[i, k])): tuple(texture[i, k]) for i in range(len(faces)) for k in range(3)
+        }
 
     before = corner_texture(left)
     ms.set_current_mesh(0)

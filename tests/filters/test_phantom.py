@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The phantom filter against the yardstick's phantom."""
+
 import numpy as np
 import pymeshlab
 import pytest
-from scipy.spatial import cKDTree
-
 from documents import PHANTOM, layers
+from scipy.spatial import cKDTree
 
 
 def phantom(**parameters):
@@ -31,12 +32,22 @@ def test_meshes_are_the_yardsticks(ventricle, part, seed, twist):
 def test_material_coordinates_are_where_the_yardstick_says(ventricle, part, seed, twist):
     voxel = 2.0
     known = ventricle(part.lower(), seed, phases=4, voxel=voxel, twist=twist)
-    for t, mesh in enumerate(phantom(part=part, phases=4, voxel_size=voxel, seed=seed, twist=twist)):
+    for t, mesh in enumerate(
+        phantom(part=part, phases=4, voxel_size=voxel, seed=seed, twist=twist)
+    ):
         u, theta, m = mesh.vertex_custom_point_attribute_matrix("material_coordinate").T
-        assert u.min() >= 0 and m.min() >= 0 and m.max() <= 1 and theta.min() >= 0 and theta.max() < 2 * np.pi
+        assert (
+            u.min() >= 0
+            and m.min() >= 0
+            and m.max() <= 1
+            and theta.min() >= 0
+            and theta.max() < 2 * np.pi
+        )
         tissue = u < 0.93  # the yardstick, too, leaves out the rim, where the surface is cut
         assert tissue.mean() > 0.6
-        distance = np.linalg.norm(known.position(u, theta, t, m) - mesh.vertex_matrix(), axis=1)[tissue]
+        distance = np.linalg.norm(known.position(u, theta, t, m) - mesh.vertex_matrix(), axis=1)[
+            tissue
+        ]
         assert distance.mean() < 0.15 * voxel
         assert np.percentile(distance, 99) < 0.5 * voxel
         assert distance.max() < voxel
@@ -51,7 +62,9 @@ def test_the_lid_of_the_cavity_is_told_apart(ventricle):
     mesh = phantom(phases=1)[0]
     u = mesh.vertex_custom_point_attribute_matrix("material_coordinate")[:, 0]
     z = mesh.vertex_matrix()[:, 2]
-    rim = ventricle("cavity", 0, phases=1, voxel=2.0).position(1.0, np.linspace(0, 6.28, 100), 0, 0)[:, 2]
+    rim = ventricle("cavity", 0, phases=1, voxel=2.0).position(
+        1.0, np.linspace(0, 6.28, 100), 0, 0
+    )[:, 2]
     assert u.max() <= 2 and (u > 1).any()
     assert z[u > 1].min() > rim.min() - 2.0
     assert (np.abs(z[u > 1] - rim.mean()) < 2.0 + np.ptp(rim)).all()
@@ -75,9 +88,16 @@ def test_volumes_beat():
 
 
 def test_layers_are_numbered_in_natural_order():
-    assert [m.label() for m in phantom(part="Wall", phases=2, voxel_size=4)] == ["phantom wall 00", "phantom wall 01"]
+    assert [m.label() for m in phantom(part="Wall", phases=2, voxel_size=4)] == [
+        "phantom wall 00",
+        "phantom wall 01",
+    ]
     many = [m.label() for m in phantom(phases=101, voxel_size=4)]
-    assert many[0] == "phantom cavity 000" and many[100] == "phantom cavity 100" and many == sorted(many)
+    assert (
+        many[0] == "phantom cavity 000"
+        and many[100] == "phantom cavity 100"
+        and many == sorted(many)
+    )
 
 
 def test_phase_0_becomes_the_current_layer():

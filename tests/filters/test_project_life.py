@@ -1,17 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """A project over time: filters run again, files saved and loaded, layers of all kinds side by side, layers hidden."""
+
 import subprocess
 import sys
 
 import numpy as np
 import pymeshlab
 import pytest
-from scipy.spatial import cKDTree
-
 from cycles import project_of
-from documents import (ATTRIBUTE, EVALUATE, FILTERS, MODEL, PHANTOM, PROPAGATE, REMESH, ROOT, SPHERES, add, content, has_attribute,
-                       labels, landmark_layers, layer, layers, mapped_cycle, positions, refused, small_cycle, snapshot,
-                       texture_positions)
+from documents import (
+    ATTRIBUTE,
+    EVALUATE,
+    FILTERS,
+    MODEL,
+    PHANTOM,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    SPHERES,
+    add,
+    content,
+    has_attribute,
+    labels,
+    landmark_layers,
+    layers,
+    mapped_cycle,
+    positions,
+    refused,
+    small_cycle,
+    snapshot,
+    texture_positions,
+)
 from environment import PLUGIN
+from scipy.spatial import cKDTree
 from surfaces import egg, open_egg
 
 
@@ -50,7 +71,9 @@ def test_a_map_survives_a_ply_file(tmp_path, measure):
     for key in ("area_ratio_sd", "area_log_mean", "angle_error_mean"):
         assert after[key] == pytest.approx(before[key], rel=1e-4, abs=1e-5), key
     for mesh in again:
-        figures = measure.map_figures(mesh.vertex_matrix(), mesh.face_matrix(), texture_positions(mesh))
+        figures = measure.map_figures(
+            mesh.vertex_matrix(), mesh.face_matrix(), texture_positions(mesh)
+        )
         assert figures["flips"] == 0 and figures["degree"] == pytest.approx(1)
     # and remeshing goes on from it
     again.apply_filter(REMESH)
@@ -63,7 +86,9 @@ def test_propagation_goes_on_from_a_loaded_root(tmp_path):
     ms.apply_filter(ROOT)
     again = loaded(saved(ms, tmp_path))
     ms.apply_filter(PROPAGATE, root_layer=0)
-    assert again.filter_parameter_values(PROPAGATE)["root_layer"] == 0  # the first that has a map; the last is current
+    assert (
+        again.filter_parameter_values(PROPAGATE)["root_layer"] == 0
+    )  # the first that has a map; the last is current
     returned = again.apply_filter(PROPAGATE)
     assert returned["parent"].tolist() == [-1, 0, 1, 2]
     assert returned["flipped_faces"].sum() == 0
@@ -95,7 +120,13 @@ def test_a_map_damaged_in_its_file_is_no_map(tmp_path):
     uv[[100, 200]] = uv[[200, 100]]
     again = pymeshlab.MeshSet()
     again.load_new_mesh(str(files[0]))
-    add(again, ms.mesh(1).vertex_matrix(), ms.mesh(1).face_matrix(), "damaged", v_tex_coords_matrix=uv)
+    add(
+        again,
+        ms.mesh(1).vertex_matrix(),
+        ms.mesh(1).face_matrix(),
+        "damaged",
+        v_tex_coords_matrix=uv,
+    )
     again.load_new_mesh(str(files[2]))
     returned = again.apply_filter(EVALUATE)
     assert returned["valid"].tolist() == [1, 0, 1] and returned["flipped_faces"][1] > 0
@@ -151,7 +182,9 @@ def test_landmarks_of_another_surface_are_not_replaced(tmp_path):
     ms = mapped_cycle(4)
     ms.apply_filter(REMESH, frequency=4)
     files = saved(ms, tmp_path)
-    again = loaded(as_meshlabserver_names_them([*files[:3], files[7]], tmp_path))  # landmarks of the one that is missing
+    again = loaded(
+        as_meshlabserver_names_them([*files[:3], files[7]], tmp_path)
+    )  # landmarks of the one that is missing
     held = content(again.mesh(3))
     again.apply_filter(REMESH, frequency=5)
     assert again.mesh_number() == 7 and content(again.mesh(3)) == held
@@ -172,7 +205,10 @@ ms.apply_filter({REMESH!r})
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     log = run.stdout + run.stderr
     assert "shapes: 3" in log
-    assert ('"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", which counts twice' in log)
+    assert (
+        '"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", which counts twice'
+        in log
+    )
     assert 'Layer "a copy" also holds landmarks of "phantom cavity 00", from an earlier run' in log
 
 
@@ -353,7 +389,9 @@ def test_ordinary_texture_coordinates_survive_a_failure():
     add(ms, v, f, "open", v_tex_coords_matrix=planar(v))
     with refused(ms, '"open"'):
         ms.apply_filter(ROOT)
-    assert np.array_equal(ms.mesh(0).vertex_tex_coord_matrix().astype(np.float32), planar(v).astype(np.float32))
+    assert np.array_equal(
+        ms.mesh(0).vertex_tex_coord_matrix().astype(np.float32), planar(v).astype(np.float32)
+    )
 
 
 def test_a_damaged_attribute_gives_way_to_the_texture_coordinates():
@@ -362,21 +400,33 @@ def test_a_damaged_attribute_gives_way_to_the_texture_coordinates():
     damaged = positions(surface)
     damaged[[10, 300]] = damaged[[300, 10]]
     again = pymeshlab.MeshSet()
-    add(again, surface.vertex_matrix(), surface.face_matrix(), "surface", v_tex_coords_matrix=surface.vertex_tex_coord_matrix())
+    add(
+        again,
+        surface.vertex_matrix(),
+        surface.face_matrix(),
+        "surface",
+        v_tex_coords_matrix=surface.vertex_tex_coord_matrix(),
+    )
     again.current_mesh().add_vertex_custom_point_attribute(damaged, ATTRIBUTE)
-    assert again.apply_filter(EVALUATE)["valid"].tolist() == [0]  # what is stored is reported as it is
+    assert again.apply_filter(EVALUATE)["valid"].tolist() == [
+        0
+    ]  # what is stored is reported as it is
     again.apply_filter(REMESH)
     ms.apply_filter(REMESH)
     assert np.abs(again.mesh(1).vertex_matrix() - layers(ms)[3].vertex_matrix()).max() < 0.01
 
 
-@pytest.mark.parametrize("damage", [
-    lambda s: s * 1.001,  # off the sphere
-    lambda s: s * [1, 1, -1],  # mirrored: everything is flipped
-    lambda s: np.where(np.arange(len(s))[:, None] == 7, np.nan, s),
-    lambda s: np.where(np.arange(len(s))[:, None] == 7, -s, s),
-    lambda s: np.tile([0.0, 0, 1], (len(s), 1)),
-], ids=["scaled", "mirrored", "nan", "antipodal", "constant"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda s: s * 1.001,  # off the sphere
+        lambda s: s * [1, 1, -1],  # mirrored: everything is flipped
+        lambda s: np.where(np.arange(len(s))[:, None] == 7, np.nan, s),
+        lambda s: np.where(np.arange(len(s))[:, None] == 7, -s, s),
+        lambda s: np.tile([0.0, 0, 1], (len(s), 1)),
+    ],
+    ids=["scaled", "mirrored", "nan", "antipodal", "constant"],
+)
 def test_an_invalid_map_is_reported_and_not_used(damage):
     ms = mapped_cycle(2)
     surface = ms.mesh(1)
@@ -413,22 +463,38 @@ ms.apply_filter({PHANTOM!r}, phases=3, voxel_size=4)
 for name in {FILTERS[1:]!r}:
     ms.apply_filter(name)
 """
-    log = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stderr
+    log = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    ).stderr
     lines = [line for line in log.splitlines() if line.startswith("LOG:")]
     per_layer = [line for line in lines if "flipped face" in line]
     for t in range(3):
         of_layer = [line for line in per_layer if f"phantom cavity {t:02d}:" in line]
-        assert len(of_layer) == (3 if t == 0 else 2)  # propagation and evaluation; the root has its own filter too
+        assert len(of_layer) == (
+            3 if t == 0 else 2
+        )  # propagation and evaluation; the root has its own filter too
         for line in of_layer:
-            for words in (" vertices", "0 flipped faces", "area ratio sd 0.", "angle error", "degrees"):
+            for words in (
+                " vertices",
+                "0 flipped faces",
+                "area ratio sd 0.",
+                "angle error",
+                "degrees",
+            ):
                 assert words in line
         assert any(f"phantom cavity {t:02d}: 1002 landmarks" in line for line in lines)
     seconds = [line for line in lines if " s (Hierarchical start" in line or line.endswith(" s")]
-    assert len(seconds) >= 1 + 1 + 2 + 3 + 3  # phantom, root, two propagated layers, three remeshed, three evaluated
+    assert (
+        len(seconds) >= 1 + 1 + 2 + 3 + 3
+    )  # phantom, root, two propagated layers, three remeshed, three evaluated
     assert any("from phantom cavity 01 with residual" in line for line in lines)
 
     # Progress: real fractions that only grow.
-    percents = [int(line.split("[")[1].split("%")[0]) for line in lines if "Propagate parameterisation to layers    [" in line]
+    percents = [
+        int(line.split("[")[1].split("%")[0])
+        for line in lines
+        if "Propagate parameterisation to layers    [" in line
+    ]
     assert percents == sorted(set(percents)) and percents[-1] == 100 and len(percents) > 4
 
 

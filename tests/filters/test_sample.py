@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The sample projects tell what their README says."""
+
 import numpy as np
 import pymeshlab
-
 from documents import COLOR, EVALUATE, PROPAGATE, REMESH, ROOT, SPHERES, landmark_layers
 from environment import PROJECT
 
@@ -18,9 +19,17 @@ def opened(path):
 def test_the_start_has_surfaces_only():
     ms = opened(SAMPLE / "ventricle.mlp")
     assert [m.label() for m in ms] == PHASES
-    assert all(np.array_equal(m.transform_matrix(), np.eye(4)) and not m.has_vertex_tex_coord() for m in ms)
+    assert all(
+        np.array_equal(m.transform_matrix(), np.eye(4)) and not m.has_vertex_tex_coord() for m in ms
+    )
     ms.set_current_mesh(0)
-    for name, parameters in ((ROOT, {}), (PROPAGATE, {"order": "Cyclic time"}), (REMESH, {}), (SPHERES, {}), (COLOR, {})):
+    for name, parameters in (
+        (ROOT, {}),
+        (PROPAGATE, {"order": "Cyclic time"}),
+        (REMESH, {}),
+        (SPHERES, {}),
+        (COLOR, {}),
+    ):
         ms.apply_filter(name, **parameters)
     assert ms.mesh_number() == 15
     assert ms.apply_filter(EVALUATE)["valid"].tolist() == [1] * 5
@@ -28,7 +37,9 @@ def test_the_start_has_surfaces_only():
 
 def test_the_end_has_maps_landmarks_and_colours():
     ms = opened(SAMPLE / "finished/finished.mlp")
-    assert [m.label() for m in ms] == PHASES + [p + " landmarks" for p in PHASES] + ["ventricle 0 sphere"]
+    assert [m.label() for m in ms] == PHASES + [p + " landmarks" for p in PHASES] + [
+        "ventricle 0 sphere"
+    ]
     assert ms.apply_filter(EVALUATE)["valid"].tolist() == [1] * 5
     surfaces, sphere = list(ms)[:5], ms.mesh(10)
     assert all(np.ptp(m.vertex_color_matrix()[:, :3], axis=0).max() > 0.3 for m in ms)

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The statistical shape model: against PCA in numpy, its layers, its files as others read them, and its errors."""
+
 import csv
 import json
 import os
@@ -6,13 +8,24 @@ import re
 import subprocess
 import sys
 
+import cycles
 import numpy as np
 import pymeshlab
 import pytest
 import pyvista
-
-import cycles
-from documents import (MODEL, REMESH, add, content, labels, landmark_layers, layer, layers, mapped_cycle, refused, snapshot)
+from documents import (
+    MODEL,
+    REMESH,
+    add,
+    content,
+    labels,
+    landmark_layers,
+    layer,
+    layers,
+    mapped_cycle,
+    refused,
+    snapshot,
+)
 from environment import PLUGIN
 
 NAN = float("nan")
@@ -59,7 +72,9 @@ def procrustes(shapes, rigid=False):
     mean = centred[0]
     for _ in range(100):
         turned = np.array([Rotation.align_vectors(mean, x)[0].apply(x) for x in centred])
-        scale = np.ones(len(shapes)) if rigid else (turned * mean).sum((1, 2)) / (turned**2).sum((1, 2))
+        scale = (
+            np.ones(len(shapes)) if rigid else (turned * mean).sum((1, 2)) / (turned**2).sum((1, 2))
+        )
         moved = scale[:, None, None] * turned
         mean = moved.mean(0)
         if not rigid:
@@ -88,7 +103,9 @@ def test_the_heart_as_numpy_has_it(heart, alignment):
 
 def test_generalisation_and_specificity_as_numpy_has_them(heart):
     landmarks, faces = heart[0][::3], heart[1]
-    returned = project_of(landmarks, faces).apply_filter(MODEL, alignment="None", specificity_samples=20000)
+    returned = project_of(landmarks, faces).apply_filter(
+        MODEL, alignment="None", specificity_samples=20000
+    )
     rms = lambda difference: np.sqrt((difference**2).sum(-1).mean(-1))
     for m in (1, 3, 9):
         distances = []
@@ -98,12 +115,18 @@ def test_generalisation_and_specificity_as_numpy_has_them(heart):
             away = landmarks[left] - mean
             distances.append(rms(away - np.tensordot(np.tensordot(modes, away, 2), modes, 1)))
         assert returned["generalisation"][m - 1] == pytest.approx(np.mean(distances), rel=1e-9)
-        assert returned["generalisation_error"][m - 1] == pytest.approx(np.std(distances) / 3, rel=1e-9)
+        assert returned["generalisation_error"][m - 1] == pytest.approx(
+            np.std(distances) / 3, rel=1e-9
+        )
         mean, modes, eigenvalues, _ = pca(landmarks)
         random = np.random.default_rng(1)
-        samples = mean + np.tensordot(random.normal(size=(2000, m)) * np.sqrt(eigenvalues[:m]), modes[:m], 1)
+        samples = mean + np.tensordot(
+            random.normal(size=(2000, m)) * np.sqrt(eigenvalues[:m]), modes[:m], 1
+        )
         nearest = np.min([rms(samples - shape) for shape in landmarks], 0)
-        assert returned["specificity"][m - 1] == pytest.approx(nearest.mean(), abs=5 * nearest.std() / 2000**0.5)
+        assert returned["specificity"][m - 1] == pytest.approx(
+            nearest.mean(), abs=5 * nearest.std() / 2000**0.5
+        )
 
 
 def test_pose_and_size_do_not_matter(heart):
@@ -112,8 +135,13 @@ def test_pose_and_size_do_not_matter(heart):
     landmarks, faces = heart[0][::6], heart[1]
     expected = project_of(landmarks, faces).apply_filter(MODEL)["variance_share"]
     random = np.random.default_rng(2)
-    moved = [random.uniform(0.3, 3) * r.apply(x) + random.normal(size=3) * 100 for r, x in zip(Rotation.random(5, random), landmarks)]
-    assert project_of(moved, faces).apply_filter(MODEL)["variance_share"] == pytest.approx(expected, rel=1e-9)
+    moved = [
+        random.uniform(0.3, 3) * r.apply(x) + random.normal(size=3) * 100
+        for r, x in zip(Rotation.random(5, random), landmarks)
+    ]
+    assert project_of(moved, faces).apply_filter(MODEL)["variance_share"] == pytest.approx(
+        expected, rel=1e-9
+    )
 
 
 def test_matrices_count(heart):
@@ -121,10 +149,13 @@ def test_matrices_count(heart):
     expected = project_of(landmarks, faces).apply_filter(MODEL, alignment="None")["eigenvalues"]
     ms = project_of(landmarks, faces)
     ms.set_current_mesh(2)
-    ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=7, rotationz=30, freeze=False)
+    ms.apply_filter(
+        "compute_matrix_from_translation_rotation_scale", translationx=7, rotationz=30, freeze=False
+    )
     assert not np.allclose(ms.apply_filter(MODEL, alignment="None")["eigenvalues"], expected)
     assert ms.apply_filter(MODEL, alignment="Rigid")["eigenvalues"] == pytest.approx(
-        project_of(landmarks, faces).apply_filter(MODEL, alignment="Rigid")["eigenvalues"], rel=1e-9)
+        project_of(landmarks, faces).apply_filter(MODEL, alignment="Rigid")["eigenvalues"], rel=1e-9
+    )
 
 
 def test_area_weights_matter_a_little(heart):
@@ -167,14 +198,22 @@ def test_layers_show_mean_and_modes():
     ms = small_model_project()
     shapes = np.array([m.vertex_matrix() for m in layers(ms)])
     returned = ms.apply_filter(MODEL, alignment="None", mode_layers=2, standard_deviations=2.5)
-    assert labels(ms)[5:] == ["mean shape", "mode 1 -2.5 sd", "mode 1 +2.5 sd", "mode 2 -2.5 sd", "mode 2 +2.5 sd"]
+    assert labels(ms)[5:] == [
+        "mean shape",
+        "mode 1 -2.5 sd",
+        "mode 1 +2.5 sd",
+        "mode 2 -2.5 sd",
+        "mode 2 +2.5 sd",
+    ]
     mean, modes, eigenvalues, _ = pca(shapes)
     assert layer(ms, "mean shape").vertex_matrix() == pytest.approx(mean, abs=1e-9)
     faces = layers(ms)[0].face_matrix()
     for m in (1, 2):
         low, high = (layer(ms, f"mode {m} {sign}2.5 sd").vertex_matrix() for sign in "-+")
         assert (low + high) / 2 == pytest.approx(mean, abs=1e-9)
-        assert np.abs(high - mean) == pytest.approx(np.abs(2.5 * np.sqrt(eigenvalues[m - 1]) * modes[m - 1]), abs=1e-9)
+        assert np.abs(high - mean) == pytest.approx(
+            np.abs(2.5 * np.sqrt(eigenvalues[m - 1]) * modes[m - 1]), abs=1e-9
+        )
     for mesh in layers(ms)[5:]:
         assert np.array_equal(mesh.face_matrix(), faces)
     assert returned["modes"] == 4  # shown or not
@@ -194,10 +233,16 @@ def test_colours_are_displacements_along_the_normal():
     for mesh in made:
         colours, d = mesh.vertex_color_matrix()[:, :3], mesh.vertex_scalar_array()
         out, in_ = d > 0.3 * range_, d < -0.3 * range_
-        assert (colours[out, 0] > colours[out, 2]).all() and (colours[in_, 0] < colours[in_, 2]).all()
-    brightest = [m.vertex_color_matrix()[np.abs(m.vertex_scalar_array()).argmin(), :3].min() for m in made]
+        assert (colours[out, 0] > colours[out, 2]).all() and (
+            colours[in_, 0] < colours[in_, 2]
+        ).all()
+    brightest = [
+        m.vertex_color_matrix()[np.abs(m.vertex_scalar_array()).argmin(), :3].min() for m in made
+    ]
     assert min(brightest) > 0.8
-    assert (mean.vertex_color_matrix()[:, :3] == 247 / 255).all() and not mean.vertex_scalar_array().any()
+    assert (
+        mean.vertex_color_matrix()[:, :3] == 247 / 255
+    ).all() and not mean.vertex_scalar_array().any()
 
 
 def pyvista_normals(mesh):
@@ -213,11 +258,22 @@ def test_a_second_run_replaces_what_the_first_made():
     ms.apply_filter(MODEL, mode_layers=4)
     assert len(labels(ms)) == 5 + 9
     ms.set_mesh_visibility(layer(ms, "mode 3 -3 sd").id(), False)
-    user = add(ms, *[layers(ms)[0].vertex_matrix() + 1, layers(ms)[0].face_matrix()], "mode 9 -3 sd.ply")  # from a file
+    user = add(
+        ms, *[layers(ms)[0].vertex_matrix() + 1, layers(ms)[0].face_matrix()], "mode 9 -3 sd.ply"
+    )  # from a file
     ms.set_current_mesh(0)
     again = ms.apply_filter(MODEL, mode_layers=1, standard_deviations=2)
-    assert labels(ms) == [f"shape {k:02d}" for k in range(5)] + ["mean shape", "mode 9 -3 sd.ply", "mode 1 -2 sd", "mode 1 +2 sd"]
-    assert again["shapes"] == 5 and ms.current_mesh_id() == 0 and ms.mesh(user).label() == "mode 9 -3 sd.ply"
+    assert labels(ms) == [f"shape {k:02d}" for k in range(5)] + [
+        "mean shape",
+        "mode 9 -3 sd.ply",
+        "mode 1 -2 sd",
+        "mode 1 +2 sd",
+    ]
+    assert (
+        again["shapes"] == 5
+        and ms.current_mesh_id() == 0
+        and ms.mesh(user).label() == "mode 9 -3 sd.ply"
+    )
     ms.apply_filter(MODEL, mode_layers=0)
     assert labels(ms)[5:] == ["mean shape", "mode 9 -3 sd.ply"]
 
@@ -259,7 +315,9 @@ def test_shapes_come_in_the_order_of_their_surfaces(tmp_path):
     path = tmp_path / "scores.csv"
     found = ms.apply_filter(MODEL, export_file=str(path))["scores"].reshape(4, 3)
     with open(path, newline="") as file:
-        assert [row[0] for row in csv.reader(file)][1:] == [f"phantom cavity {k:02d} landmarks" for k in range(4)]
+        assert [row[0] for row in csv.reader(file)][1:] == [
+            f"phantom cavity {k:02d} landmarks" for k in range(4)
+        ]
     in_time = mapped_cycle(4)
     in_time.apply_filter(REMESH, frequency=4)
     assert found == pytest.approx(in_time.apply_filter(MODEL)["scores"].reshape(4, 3), abs=1e-9)
@@ -283,9 +341,13 @@ ms.apply_filter("create_ventricle_phantom", phases=4, voxel_size=4)
 for name in ("compute_spherical_parameterisation_root", "transfer_spherical_parameterisation_to_layers", {REMESH!r}, {MODEL!r}):
     ms.apply_filter(name)
 """
-    log = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stderr
+    log = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    ).stderr
     assert re.search(r"4 shapes of 1002 landmarks, aligned in \d+ rounds: 3 modes", log)
-    assert re.search(r"mode 1: standard deviation [\d.]+ per landmark, [\d.]+ % of the variance", log)
+    assert re.search(
+        r"mode 1: standard deviation [\d.]+ per landmark, [\d.]+ % of the variance", log
+    )
     assert re.search(r"Colours.*red ([\d.]+) outwards.*blue \1 inwards", log)
 
 
@@ -311,13 +373,20 @@ def test_npz(exported, heart):
     with np.load(path) as file:
         model = dict(file)
     assert {k: v.shape for k, v in model.items()} == {
-        "mean": (1002, 3), "modes": (9, 1002, 3), "eigenvalues": (9,), "scores": (10, 9), "faces": (2000, 3)}
+        "mean": (1002, 3),
+        "modes": (9, 1002, 3),
+        "eigenvalues": (9,),
+        "scores": (10, 9),
+        "faces": (2000, 3),
+    }
     assert np.array_equal(model["eigenvalues"], returned["eigenvalues"])
     assert np.array_equal(model["scores"].ravel(), returned["scores"])
     assert np.array_equal(model["faces"], heart[1])
     rebuilt = model["mean"] + np.tensordot(model["scores"], model["modes"], 1)
     assert rebuilt == pytest.approx(shapes, abs=1e-6)
-    assert np.tensordot(model["modes"], model["modes"], [[1, 2], [1, 2]]) == pytest.approx(np.eye(9), abs=1e-12)
+    assert np.tensordot(model["modes"], model["modes"], [[1, 2], [1, 2]]) == pytest.approx(
+        np.eye(9), abs=1e-12
+    )
 
 
 def hdf5_json(path):
@@ -327,7 +396,10 @@ def hdf5_json(path):
 
     def walk(group, at):
         for attribute in group["attributes"]:
-            assert attribute["type"]["class"] == "H5T_STRING" and attribute["shape"]["class"] == "H5S_SCALAR"
+            assert (
+                attribute["type"]["class"] == "H5T_STRING"
+                and attribute["shape"]["class"] == "H5S_SCALAR"
+            )
             found[f"{at}@{attribute['name']}"] = attribute["value"]
         for link in group["links"]:
             assert link["class"] == "H5L_TYPE_HARD"
@@ -354,16 +426,22 @@ def test_statismo_json(exported, heart):
     assert model["/representer@datasetType"] == "POLYGON_MESH"
     assert np.array_equal(model["/representer/cells"], heart[1].T)
     assert model["/representer/points"].shape == (3, 1002)
-    mean, basis, variance = (model[f"/model/{name}"] for name in ("mean", "pcaBasis", "pcaVariance"))
+    mean, basis, variance = (
+        model[f"/model/{name}"] for name in ("mean", "pcaBasis", "pcaVariance")
+    )
     assert np.array_equal(mean.reshape(-1, 3).T, model["/representer/points"])
     assert basis.shape == (3006, 9) and basis.T @ basis == pytest.approx(np.eye(9), abs=1e-12)
-    assert np.array_equal(variance, returned["eigenvalues"]) and model["/model/noiseVariance"] == [0]
+    assert np.array_equal(variance, returned["eigenvalues"]) and model["/model/noiseVariance"] == [
+        0
+    ]
     for k in range(10):
         coefficients = model["/modelinfo/scores"][:, k]
         rebuilt = mean + basis @ (np.sqrt(variance) * coefficients)
         assert rebuilt.reshape(-1, 3) == pytest.approx(shapes[k], abs=1e-6)
         # and as scalismo finds the coefficients of a mesh
-        assert basis.T @ (shapes[k].ravel() - mean) / np.sqrt(variance) == pytest.approx(coefficients, abs=1e-6)
+        assert basis.T @ (shapes[k].ravel() - mean) / np.sqrt(variance) == pytest.approx(
+            coefficients, abs=1e-6
+        )
 
 
 def test_statismo_hdf5(exported):
@@ -378,7 +456,9 @@ def test_statismo_hdf5(exported):
         def collect(name, item):
             found.update({f"/{name}@{key}": value.decode() for key, value in item.attrs.items()})
             if isinstance(item, h5py.Dataset):
-                assert item.dtype == ("<i4" if name.startswith("version") or name.endswith("cells") else "<f4")
+                assert item.dtype == (
+                    "<i4" if name.startswith("version") or name.endswith("cells") else "<f4"
+                )
                 found[f"/{name}"] = item[()]
 
         file.visititems(collect)
@@ -387,11 +467,19 @@ def test_statismo_hdf5(exported):
         if isinstance(value, str):
             assert found[name] == value
         else:
-            assert np.shape(found[name]) == value.shape and found[name] == pytest.approx(value, rel=1e-7, abs=1e-30), name
-    mean, basis, variance = (found[f"/model/{name}"].astype(float) for name in ("mean", "pcaBasis", "pcaVariance"))
+            assert np.shape(found[name]) == value.shape and found[name] == pytest.approx(
+                value, rel=1e-7, abs=1e-30
+            ), name
+    mean, basis, variance = (
+        found[f"/model/{name}"].astype(float) for name in ("mean", "pcaBasis", "pcaVariance")
+    )
     for k in range(10):
-        rebuilt = (mean + basis @ (np.sqrt(variance) * found["/modelinfo/scores"][:, k])).reshape(-1, 3)
-        assert np.linalg.norm(rebuilt - shapes[k]) < 1e-6 * np.linalg.norm(shapes[k])  # as far as 32 bits go
+        rebuilt = (mean + basis @ (np.sqrt(variance) * found["/modelinfo/scores"][:, k])).reshape(
+            -1, 3
+        )
+        assert np.linalg.norm(rebuilt - shapes[k]) < 1e-6 * np.linalg.norm(
+            shapes[k]
+        )  # as far as 32 bits go
 
 
 def test_hdf5_of_a_model_without_modes(tmp_path):
@@ -401,7 +489,9 @@ def test_hdf5_of_a_model_without_modes(tmp_path):
     v, f = layers(ms)[0].vertex_matrix(), layers(ms)[0].face_matrix()
     project_of([v, v], f).apply_filter(MODEL, export_file=str(tmp_path / "model.h5"))
     with h5py.File(tmp_path / "model.h5") as file:
-        assert file["model/pcaBasis"][()].shape == (486, 0) and file["model/pcaVariance"][()].shape == (0,)
+        assert file["model/pcaBasis"][()].shape == (486, 0) and file["model/pcaVariance"][
+            ()
+        ].shape == (0,)
         assert file["model/mean"][()].reshape(-1, 3) == pytest.approx(v, abs=1e-5)
 
 
@@ -417,12 +507,18 @@ def test_ply(exported, measure, heart):
     path, returned, shapes = exported(".ply")
     vertex, faces = measure.read_ply(str(path))
     mean = measure.points(vertex)
-    modes = np.array([np.stack([vertex[f"mode_{m}_{axis}"] for axis in "xyz"], 1) for m in range(1, 10)])
+    modes = np.array(
+        [np.stack([vertex[f"mode_{m}_{axis}"] for axis in "xyz"], 1) for m in range(1, 10)]
+    )
     rebuilt = mean + np.tensordot(returned["scores"].reshape(10, 9), modes, 1)
     assert rebuilt == pytest.approx(shapes, abs=1e-6)
     assert np.array_equal(faces, heart[1])
     header = path.read_bytes().split(b"end_header")[0].decode()
-    eigenvalues = [float(line.split()[3]) for line in header.splitlines() if line.startswith("comment eigenvalue ")]
+    eigenvalues = [
+        float(line.split()[3])
+        for line in header.splitlines()
+        if line.startswith("comment eigenvalue ")
+    ]
     assert np.array_equal(eigenvalues, returned["eigenvalues"])
     # Programs that know nothing of modes see the mean.
     seen = pyvista.read(path)
@@ -439,7 +535,9 @@ def test_csv(exported):
         rows = list(csv.reader(file))
     assert rows[0] == ["shape"] + [f"mode_{m}" for m in range(1, 10)]
     assert [row[0] for row in rows[1:]] == [f"shape {k:02d}" for k in range(10)]
-    assert np.array_equal(np.array([row[1:] for row in rows[1:]], float).ravel(), returned["scores"])
+    assert np.array_equal(
+        np.array([row[1:] for row in rows[1:]], float).ravel(), returned["scores"]
+    )
 
 
 def test_exports_say_the_same_twice(exported):
@@ -513,16 +611,19 @@ def test_nan():
         ms.apply_filter(MODEL)
 
 
-@pytest.mark.parametrize("parameters, words", [
-    ({"modes": -1}, "modes must be 0 (all) or more"),
-    ({"standard_deviations": 0}, "above 0"),
-    ({"standard_deviations": -3}, "above 0"),
-    ({"standard_deviations": NAN}, "above 0"),
-    ({"mode_layers": -1}, "modes shown"),
-    ({"specificity_samples": 0}, "between 1 and 1000000"),
-    ({"specificity_samples": 10**9}, "between 1 and 1000000"),
-    ({"seed": -1}, "seed"),
-])
+@pytest.mark.parametrize(
+    "parameters, words",
+    [
+        ({"modes": -1}, "modes must be 0 (all) or more"),
+        ({"standard_deviations": 0}, "above 0"),
+        ({"standard_deviations": -3}, "above 0"),
+        ({"standard_deviations": NAN}, "above 0"),
+        ({"mode_layers": -1}, "modes shown"),
+        ({"specificity_samples": 0}, "between 1 and 1000000"),
+        ({"specificity_samples": 10**9}, "between 1 and 1000000"),
+        ({"seed": -1}, "seed"),
+    ],
+)
 def test_parameters_out_of_range(parameters, words):
     ms = small_model_project()
     with refused(ms, words):
@@ -532,8 +633,12 @@ def test_parameters_out_of_range(parameters, words):
 def test_files_that_cannot_be_written(tmp_path):
     ms = small_model_project()
     (tmp_path / "folder.npz").mkdir()
-    for name, words in [("model", ["no ending", ".npz, .h5, .json"]), ("model.xyz", ['".xyz" is no format']),
-                        ("missing/model.npz", ["there is no folder", "missing"]), ("folder.npz", ["it is a folder"])]:
+    for name, words in [
+        ("model", ["no ending", ".npz, .h5, .json"]),
+        ("model.xyz", ['".xyz" is no format']),
+        ("missing/model.npz", ["there is no folder", "missing"]),
+        ("folder.npz", ["it is a folder"]),
+    ]:
         with refused(ms, "cannot be written", name, *words):
             ms.apply_filter(MODEL, export_file=str(tmp_path / name))
     assert [p.name for p in tmp_path.iterdir()] == ["folder.npz"]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The plugin in MeshLab 2025.07's GUI, checked by what it leaves behind: the project that is saved from there and read by PyMeshLab.
 scripts/check-gui builds what this needs and names it:
 
@@ -5,6 +6,7 @@ scripts/check-gui builds what this needs and names it:
     GUI_AGENT      libgui_agent.so     GUI_PICTURES   where pictures go
     SPHERE_PROPAGATION_PLUGIN          the plugin for PyMeshLab, which checks
 """
+
 import os
 import shutil
 import sys
@@ -16,7 +18,6 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
-
 from gui import GuiError, MeshLab, until
 
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
@@ -24,11 +25,17 @@ PICTURES = Path(os.environ["GUI_PICTURES"])
 FILTERS = {  # menu entry -> menus that show it
     "Beating ventricle phantom": {"Create New Mesh Layer"},
     "Spherical parameterise root": {"Remeshing, Simplification and Reconstruction", "Mesh Layer"},
-    "Propagate parameterisation to layers": {"Remeshing, Simplification and Reconstruction", "Mesh Layer"},
+    "Propagate parameterisation to layers": {
+        "Remeshing, Simplification and Reconstruction",
+        "Mesh Layer",
+    },
     "Remesh by icosphere": {"Remeshing, Simplification and Reconstruction"},
     "Evaluate spherical parameterisation": {"Quality Measure and Computations"},
     "Show parameterisation as sphere layers": {"Mesh Layer"},
-    "Colour by spherical parameterisation": {"Color Creation and Processing", "Quality Measure and Computations"},
+    "Colour by spherical parameterisation": {
+        "Color Creation and Processing",
+        "Quality Measure and Computations",
+    },
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
 }
 ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:]
@@ -44,13 +51,17 @@ def plugin():
 @pytest.fixture
 def start(tmp_path):
     """start(file...): MeshLab with these files, in a home that holds the plugin where a user puts it."""
+
     def started(*files):
         home = tmp_path / "home"
         folder = home / "data/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07"
         folder.mkdir(parents=True, exist_ok=True)
         for plugin in Path(os.environ["GUI_PLUGIN"]).parent.glob("libfilter_*.so"):
             shutil.copy(plugin, folder)
-        return MeshLab(os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES)
+        return MeshLab(
+            os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES
+        )
+
     return started
 
 
@@ -63,7 +74,9 @@ def sample():
 
 
 def labels(gui):
-    return [label.replace(" *", "") for label in gui.layers()]  # the star says that a layer is not saved
+    return [
+        label.replace(" *", "") for label in gui.layers()
+    ]  # the star says that a layer is not saved
 
 
 def show(gui, name):
@@ -83,7 +96,11 @@ def saved(gui, path):
 
 def certified(ms):
     figures = ms.apply_filter("get_spherical_parameterisation_measures")
-    return len(figures["valid"]) if figures["valid"].all() and not figures["flipped_faces"].any() else 0
+    return (
+        len(figures["valid"])
+        if figures["valid"].all() and not figures["flipped_faces"].any()
+        else 0
+    )
 
 
 def test_every_filter_is_in_its_menus(start, sample):
@@ -115,20 +132,30 @@ def test_the_main_job(start, sample):
         assert labels(gui) == PHASES + [p + " sphere" for p in PHASES]
         gui.open_filter(COLOR)
         gui.picture("4-colour-dialog")
-        for name, pattern in (("5-checkerboard", "Checkerboard"), ("6-graticule", "Latitude and longitude"),
-                              ("7-direction", "Direction"), ("8-area-ratio", "Area ratio")):
+        for name, pattern in (
+            ("5-checkerboard", "Checkerboard"),
+            ("6-graticule", "Latitude and longitude"),
+            ("7-direction", "Direction"),
+            ("8-area-ratio", "Area ratio"),
+        ):
             assert "10 layers coloured" in gui.apply(COLOR, Pattern=pattern, Cells="6")
             gui.close_dialog()
             show(gui, name)
         gui.apply(REMESH, Frequency="5")
-        assert labels(gui) == PHASES + [p + " sphere" for p in PHASES] + [p + " landmarks" for p in PHASES]
+        assert labels(gui) == PHASES + [p + " sphere" for p in PHASES] + [
+            p + " landmarks" for p in PHASES
+        ]
         assert "15 layers coloured" in gui.apply(COLOR, Pattern="Area ratio")
         assert gui.run(EVALUATE).count("0 flipped faces") == 5
         ms, layers = saved(gui, sample.parent / "result.mlp")
     assert certified(ms) == 5
     faces = layers["ventricle 0 landmarks"].face_matrix()
     for phase in PHASES:
-        surface, landmarks, sphere = layers[phase], layers[phase + " landmarks"], layers[phase + " sphere"]
+        surface, landmarks, sphere = (
+            layers[phase],
+            layers[phase + " landmarks"],
+            layers[phase + " sphere"],
+        )
         assert surface.has_vertex_tex_coord()
         assert landmarks.vertex_number() == 252 and np.array_equal(landmarks.face_matrix(), faces)
         assert np.abs(np.linalg.norm(sphere.vertex_matrix(), axis=1) - 1).max() < 1e-6
@@ -136,8 +163,11 @@ def test_the_main_job(start, sample):
         assert np.array_equal(sphere.vertex_color_matrix(), surface.vertex_color_matrix())
         assert np.ptp(landmarks.vertex_color_matrix()[:, :3], axis=0).max() > 0.01
         ratio = surface.face_scalar_array()
-        assert 0 < ratio.min() and ratio.max() < 20 and ratio.std() > 0
-    assert layers["ventricle 2"].face_scalar_array().std() > 2 * layers["ventricle 0"].face_scalar_array().std()  # the root's is the least
+        assert ratio.min() > 0 and ratio.max() < 20 and ratio.std() > 0
+    assert (
+        layers["ventricle 2"].face_scalar_array().std()
+        > 2 * layers["ventricle 0"].face_scalar_array().std()
+    )  # the root's is the least
 
 
 def test_the_shape_model(start, sample):
@@ -162,11 +192,15 @@ def test_the_shape_model(start, sample):
         show(gui, "12-model")
 
 
-@pytest.mark.skipif(not (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists(),
-                    reason="built without the volume plugin")
+@pytest.mark.skipif(
+    not (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists(),
+    reason="built without the volume plugin",
+)
 def test_from_a_label_volume_to_a_model(start):
     """The phantom's scan: labels in, model out, by clicks alone."""
-    sys.path.insert(0, str(Path(__file__).parents[2] / "python"))  # here: it finds the plugin loaded
+    sys.path.insert(
+        0, str(Path(__file__).parents[2] / "python")
+    )  # here: it finds the plugin loaded
     from sphere_propagation.nifti import write_nifti
     from sphere_propagation.phantom import Ventricle
 
@@ -190,7 +224,9 @@ def test_from_a_label_volume_to_a_model(start):
             gui.apply(ROOT)
             gui.apply(PROPAGATE, Order="Cyclic time")
             gui.apply(REMESH)
-            assert "mode 1: standard deviation" in gui.apply(MODEL, Modes_shown="1", Export_file=str(model))
+            assert "mode 1: standard deviation" in gui.apply(
+                MODEL, Modes_shown="1", Export_file=str(model)
+            )
             assert labels(gui)[10:20] == [name + " landmarks" for name in surfaces]
             assert labels(gui)[20:] == ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd"]
         with np.load(model) as written:
@@ -261,7 +297,9 @@ def test_hidden_and_moved_layers(start, sample):
     meshes[2].find("MLMatrix44").text = "\n0 -1 0 0 \n1 0 0 0 \n0 0 1 0 \n0 0 0 1 \n"
     path = sample.parent / "surfaces/ventricle_2.ply"
     turned = pymeshlab.MeshSet()
-    turned.load_new_mesh(str(path))  # the file is turned back, so that the matrix brings it to its place
+    turned.load_new_mesh(
+        str(path)
+    )  # the file is turned back, so that the matrix brings it to its place
     mesh = turned.current_mesh()
     v = mesh.vertex_matrix() @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
     turned.add_mesh(pymeshlab.Mesh(v, mesh.face_matrix()), "turned")
@@ -273,7 +311,13 @@ def test_hidden_and_moved_layers(start, sample):
         gui.apply(PROPAGATE)
         gui.apply(REMESH, Frequency="5")
         ms, layers = saved(gui, sample.parent / "result.mlp")
-    assert not layers["ventricle 1"].has_vertex_tex_coord() and "ventricle 1 landmarks" not in layers
-    assert [k for k in layers if k.endswith("landmarks")] == [f"ventricle {i} landmarks" for i in (0, 2, 3, 4)]
+    assert (
+        not layers["ventricle 1"].has_vertex_tex_coord() and "ventricle 1 landmarks" not in layers
+    )
+    assert [k for k in layers if k.endswith("landmarks")] == [
+        f"ventricle {i} landmarks" for i in (0, 2, 3, 4)
+    ]
     moved, neighbour = layers["ventricle 2 landmarks"], layers["ventricle 3 landmarks"]
-    assert np.linalg.norm(moved.vertex_matrix() - neighbour.vertex_matrix(), axis=1).mean() < 6  # mm; a quarter turn is far more
+    assert (
+        np.linalg.norm(moved.vertex_matrix() - neighbour.vertex_matrix(), axis=1).mean() < 6
+    )  # mm; a quarter turn is far more

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Fixtures of the tests with MeshLab 2020.09 itself: meshlabserver and the GUI, with the plugin in a private prefix.
 
     MESHLAB_2020_PREFIX   what scripts/install-plugin --prefix made
@@ -5,6 +6,7 @@
 
 scripts/test hosts sets them.
 """
+
 import os
 import sys
 from pathlib import Path
@@ -12,13 +14,17 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "filters"), str(HERE.parent / "volumes"), str(HERE.parents[1] / "sample_projects")]
+sys.path[:0] = [
+    str(HERE),
+    str(HERE.parent / "filters"),
+    str(HERE.parent / "volumes"),
+    str(HERE.parents[1] / "sample_projects"),
+]
 
-import pymeshlab  # noqa: E402
-
-import gui  # noqa: E402
-from environment import PLUGIN, PROJECT, files_of, yardstick  # noqa: E402
-from server import Server  # noqa: E402
+import gui
+import pymeshlab
+from environment import PLUGIN, PROJECT, files_of, yardstick
+from server import Server
 
 BUILD = PROJECT / "build/meshlab-2020.09"
 PREFIX = Path(os.environ.get("MESHLAB_2020_PREFIX") or BUILD / "installed")
@@ -30,7 +36,9 @@ SAMPLE = PROJECT / "sample_projects/ventricle"
 @pytest.fixture(scope="session", autouse=True)
 def plugin():
     if not (PREFIX / "bin/meshlabserver").exists():
-        pytest.exit(f"There is no MeshLab 2020.09 in {PREFIX}: call `scripts/test hosts`.", returncode=1)
+        pytest.exit(
+            f"There is no MeshLab 2020.09 in {PREFIX}: call `scripts/test hosts`.", returncode=1
+        )
     pymeshlab.load_plugin(str(PLUGIN))
     pymeshlab.load_plugin(str(PLUGIN.with_name("libfilter_label_volume.so")))
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """MeshLab's GUI, started under Xvfb in a private home and driven from within by gui_agent.cpp.
 
     with MeshLab(binary, home=tmp_path, files=["a.ply"], agent="build/meshlab-2020.09/tests/libgui_agent.so") as gui:
@@ -8,6 +9,7 @@
 Works with every MeshLab that uses Qt 5 (2020.09, 2025.07). Everything is found as the user finds it, by what is written on it, and
 waited for: nothing depends on the speed of the machine. Needs Xvfb and Mesa's software OpenGL.
 """
+
 import json
 import os
 import socket
@@ -16,7 +18,9 @@ import tempfile
 import time
 from pathlib import Path
 
-PATIENCE = int(os.environ.get("GUI_PATIENCE", 300))  # seconds until something is given up; nothing is asserted about time
+PATIENCE = int(
+    os.environ.get("GUI_PATIENCE", 300)
+)  # seconds until something is given up; nothing is asserted about time
 
 # What keeps the first-run dialogs and the network calls of both versions away.
 SETTINGS = """[General]
@@ -57,7 +61,9 @@ class MeshLab:
         self.binary, self.home, self.agent = Path(binary), Path(home), Path(agent)
         self.files, self.pictures = [str(Path(f).resolve()) for f in files], Path(pictures or home)
         self.more = environment or {}
-        self._folder = tempfile.TemporaryDirectory(prefix="gui-")  # short: a socket's path has at most 107 characters
+        self._folder = tempfile.TemporaryDirectory(
+            prefix="gui-"
+        )  # short: a socket's path has at most 107 characters
         self._processes, self._socket, self._received = [], None, b""
         self._filter = None  # whose dialog was opened last
 
@@ -87,9 +93,25 @@ class MeshLab:
 
         reading, writing = os.pipe()
         with (self.home / "xvfb.log").open("w") as log:
-            self._processes.append(subprocess.Popen(
-                ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x900x24", "+extension", "GLX", "-nolisten", "tcp"],
-                pass_fds=[writing], stdout=log, stderr=log))
+            self._processes.append(
+                subprocess.Popen(
+                    [
+                        "Xvfb",
+                        "-displayfd",
+                        str(writing),
+                        "-screen",
+                        "0",
+                        "1280x900x24",
+                        "+extension",
+                        "GLX",
+                        "-nolisten",
+                        "tcp",
+                    ],
+                    pass_fds=[writing],
+                    stdout=log,
+                    stderr=log,
+                )
+            )
         os.close(writing)
         with os.fdopen(reading) as answer:
             display = answer.readline().strip()
@@ -97,13 +119,25 @@ class MeshLab:
             raise GuiError("Xvfb did not start: " + (self.home / "xvfb.log").read_text())
 
         path = Path(self._folder.name) / "agent"
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(("QT_", "XDG_", "WAYLAND"))}
+        environment = {
+            k: v for k, v in os.environ.items() if not k.startswith(("QT_", "XDG_", "WAYLAND"))
+        }
         environment.update(
-            HOME=str(self.home), XDG_CONFIG_HOME=str(self.home / "config"), XDG_DATA_HOME=str(self.home / "data"),
-            XDG_RUNTIME_DIR=str(self.home / "run"), DISPLAY=":" + display, LC_ALL="C.UTF-8", LIBGL_ALWAYS_SOFTWARE="1",
-            LD_PRELOAD=str(self.agent), GUI_AGENT_SOCKET=str(path), **self.more)
+            HOME=str(self.home),
+            XDG_CONFIG_HOME=str(self.home / "config"),
+            XDG_DATA_HOME=str(self.home / "data"),
+            XDG_RUNTIME_DIR=str(self.home / "run"),
+            DISPLAY=":" + display,
+            LC_ALL="C.UTF-8",
+            LIBGL_ALWAYS_SOFTWARE="1",
+            LD_PRELOAD=str(self.agent),
+            GUI_AGENT_SOCKET=str(path),
+            **self.more,
+        )
         with (self.home / "meshlab.log").open("w") as log:
-            self.process = subprocess.Popen([str(self.binary), *self.files], env=environment, stdout=log, stderr=log)
+            self.process = subprocess.Popen(
+                [str(self.binary), *self.files], env=environment, stdout=log, stderr=log
+            )
         self._processes.append(self.process)
 
         def connected():
@@ -131,7 +165,9 @@ class MeshLab:
 
     def _check_alive(self):
         if not self.alive():
-            raise GuiError(f"MeshLab has ended (exit code {self.process.returncode}):\n{self.output()[-2000:]}")
+            raise GuiError(
+                f"MeshLab has ended (exit code {self.process.returncode}):\n{self.output()[-2000:]}"
+            )
 
     def ask(self, do, **arguments):
         """Sends a command of gui_agent.cpp; returns its answer. Throws GuiError when it says that it could not."""
@@ -181,7 +217,11 @@ class MeshLab:
         if not any(w["class"] == "QMessageBox" for w in widgets):
             return None
         title = next(w["text"] for w in widgets if w["class"] == "QMessageBox")
-        return " ".join(w["text"] for w in widgets if w["class"] == "QLabel" and w["window"] == title and w["text"])
+        return " ".join(
+            w["text"]
+            for w in widgets
+            if w["class"] == "QLabel" and w["window"] == title and w["text"]
+        )
 
     # ------------------------------------------------------------ acting
 
@@ -207,7 +247,9 @@ class MeshLab:
         self._filter = name
 
     def _has_dialog(self, name):
-        return any(w["text"] == "Apply" and w["window"] == name and w["enabled"] for w in self.widgets())
+        return any(
+            w["text"] == "Apply" and w["window"] == name and w["enabled"] for w in self.widgets()
+        )
 
     def start(self):
         """Presses Apply."""
@@ -228,7 +270,13 @@ class MeshLab:
         def ended():
             self._check_alive()
             message = self.message()
-            return (message,) if message else (None,) if self.log().count("Applied filter") > applied else None
+            return (
+                (message,)
+                if message
+                else (None,)
+                if self.log().count("Applied filter") > applied
+                else None
+            )
 
         return until(ended, "the filter to end")[0]
 
@@ -237,7 +285,10 @@ class MeshLab:
         try:
             self.ask("set", label=label, window=self._filter, value=value)
         except GuiError:  # a check box bears its label itself
-            self.ask("set", **{"class": "QCheckBox", "text": label, "window": self._filter, "value": value})
+            self.ask(
+                "set",
+                **{"class": "QCheckBox", "text": label, "window": self._filter, "value": value},
+            )
 
     def apply(self, name, **fields):
         """Opens a filter, fills in fields (their labels, with _ for blanks), presses Apply, waits until it has finished.
@@ -259,7 +310,7 @@ class MeshLab:
         message = self.wait_for_end(before)
         if message:
             raise GuiError(message)
-        return self.log()[len(before):].strip()
+        return self.log()[len(before) :].strip()
 
     def close_message(self):
         """Presses OK in the message box."""
@@ -273,11 +324,21 @@ class MeshLab:
         self.trigger(next(e["text"] for e in self.menus() if e["text"].startswith("Save Project")))
 
         def all_written():  # 2020.09 writes the project first, then its layers, each with a line in the log
-            saved = {line.split(" in ")[0] for line in self.log()[before:].splitlines() if line.startswith("Saved Mesh")}
-            return path.exists() and ("2020.09" not in title or len(saved) == len(self.layers())) and "all"
+            saved = {
+                line.split(" in ")[0]
+                for line in self.log()[before:].splitlines()
+                if line.startswith("Saved Mesh")
+            }
+            return (
+                path.exists()
+                and ("2020.09" not in title or len(saved) == len(self.layers()))
+                and "all"
+            )
 
         while True:
-            dialog = until(lambda: self._dialog() or all_written(), f"{path} and its layers to be written")
+            dialog = until(
+                lambda: self._dialog() or all_written(), f"{path} and its layers to be written"
+            )
             if dialog == "all":
                 return
             if dialog["class"] == "SaveMaskExporterDialog":
@@ -292,4 +353,7 @@ class MeshLab:
 
     def _dialog(self):
         """The file dialog or save mask dialog that is open."""
-        return next((w for w in self.widgets() if w["class"] in ("QFileDialog", "SaveMaskExporterDialog")), None)
+        return next(
+            (w for w in self.widgets() if w["class"] in ("QFileDialog", "SaveMaskExporterDialog")),
+            None,
+        )

@@ -1,10 +1,12 @@
-// Drives MeshLab's GUI from within, for the tests: preloaded into the process (LD_PRELOAD), it knows nothing of MeshLab
-// and so serves every version that uses Qt 5. It reads commands, one JSON object per line, from the socket that
-// GUI_AGENT_SOCKET names, and answers each with one line; gui.py is the other end.
+// SPDX-License-Identifier: GPL-3.0-only
+// Drives MeshLab's GUI from within, for the tests: preloaded into the process (LD_PRELOAD), it
+// knows nothing of MeshLab and so serves every version that uses Qt 5. It reads commands, one JSON
+// object per line, from the socket that GUI_AGENT_SOCKET names, and answers each with one line;
+// gui.py is the other end.
 //
-// Commands find widgets as the user does, by what is written on them, and click with mouse events that go through the
-// application's event filters. Whatever may open a dialog is done after the answer: a dialog runs an event loop of its
-// own, in which the agent goes on answering.
+// Commands find widgets as the user does, by what is written on them, and click with mouse events
+// that go through the application's event filters. Whatever may open a dialog is done after the
+// answer: a dialog runs an event loop of its own, in which the agent goes on answering.
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -40,19 +42,22 @@
 namespace {
 
 QString plain(QString text) {
-  if (Qt::mightBeRichText(text)) return QTextDocumentFragment::fromHtml(text).toPlainText().simplified();
+  if (Qt::mightBeRichText(text))
+    return QTextDocumentFragment::fromHtml(text).toPlainText().simplified();
   return text.remove('&').simplified();
 }
 
 QString textOf(const QWidget* widget) {
-  if (const auto* button = qobject_cast<const QAbstractButton*>(widget)) return plain(button->text());
+  if (const auto* button = qobject_cast<const QAbstractButton*>(widget))
+    return plain(button->text());
   if (const auto* label = qobject_cast<const QLabel*>(widget)) return plain(label->text());
   if (const auto* edit = qobject_cast<const QLineEdit*>(widget)) return edit->text();
   if (const auto* box = qobject_cast<const QComboBox*>(widget)) return box->currentText();
   return widget->isWindow() ? plain(widget->windowTitle()) : QString();
 }
 
-/// The window or the dock that a widget is in: a filter's dialog is a dock, which may lie in the main window.
+/// The window or the dock that a widget is in: a filter's dialog is a dock, which may lie in the
+/// main window.
 QWidget* frameOf(const QWidget* widget) {
   for (QWidget* w = const_cast<QWidget*>(widget); w != nullptr; w = w->parentWidget())
     if (w->isWindow() || qobject_cast<QDockWidget*>(w) != nullptr) return w;
@@ -69,7 +74,8 @@ QWidgetList visibleWidgets() {
     const QPoint p = w->mapToGlobal(QPoint(0, 0));
     return std::make_pair(p.y(), p.x());
   };
-  std::stable_sort(found.begin(), found.end(), [&](const QWidget* a, const QWidget* b) { return place(a) < place(b); });
+  std::stable_sort(found.begin(), found.end(),
+                   [&](const QWidget* a, const QWidget* b) { return place(a) < place(b); });
   return found;
 }
 
@@ -79,7 +85,8 @@ QJsonObject describe(const QWidget* widget) {
                 {"tooltip", plain(widget->toolTip())},
                 {"enabled", widget->isEnabled()},
                 {"window", titleAround(widget)}};
-  if (const auto* button = qobject_cast<const QAbstractButton*>(widget)) o["checked"] = button->isChecked();
+  if (const auto* button = qobject_cast<const QAbstractButton*>(widget))
+    o["checked"] = button->isChecked();
   if (const auto* box = qobject_cast<const QComboBox*>(widget)) {
     QJsonArray items;
     for (int i = 0; i < box->count(); ++i) items << box->itemText(i);
@@ -105,7 +112,8 @@ QAction* findAction(const QString& text) {
   QAction* found = nullptr;
   for (QWidget* widget : QApplication::allWidgets())
     for (QAction* action : widget->actions())
-      if (plain(action->text()) == text && (found == nullptr || !found->isEnabled())) found = action;
+      if (plain(action->text()) == text && (found == nullptr || !found->isEnabled()))
+        found = action;
   return found;
 }
 
@@ -123,19 +131,21 @@ QWidget* findWidget(const QJsonObject& command) {
   return nullptr;
 }
 
-/// The first field to the right of this label, which may go on with a remark in brackets; on its height and in its
-/// window, which has this title.
+/// The first field to the right of this label, which may go on with a remark in brackets; on its
+/// height and in its window, which has this title.
 QWidget* fieldOf(const QString& label, const QString& window) {
   const QWidgetList widgets = visibleWidgets();
   for (const QWidget* l : widgets) {
     const QString text = textOf(l);
-    if (!l->inherits("QLabel") || (text != label && !text.startsWith(label + " (")) || titleAround(l) != window)
+    if (!l->inherits("QLabel") || (text != label && !text.startsWith(label + " (")) ||
+        titleAround(l) != window)
       continue;
     const QPoint at = l->mapToGlobal(l->rect().center());
     QWidget* best = nullptr;
     for (QWidget* w : widgets) {
       if (frameOf(w) != frameOf(l)) continue;
-      if (!w->inherits("QLineEdit") && !w->inherits("QComboBox") && !w->inherits("QCheckBox")) continue;
+      if (!w->inherits("QLineEdit") && !w->inherits("QComboBox") && !w->inherits("QCheckBox"))
+        continue;
       const QRect place(w->mapToGlobal(QPoint(0, 0)), w->size());
       if (place.left() < at.x() || place.top() > at.y() || place.bottom() < at.y()) continue;
       if (best == nullptr || place.left() < best->mapToGlobal(QPoint(0, 0)).x()) best = w;
@@ -149,7 +159,8 @@ void clickAt(QWidget* widget, const QPoint& at) {
   const QPoint global = widget->mapToGlobal(at);
   for (const QEvent::Type type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
     const Qt::MouseButtons held = type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton;
-    QApplication::postEvent(widget, new QMouseEvent(type, at, global, Qt::LeftButton, held, Qt::NoModifier));
+    QApplication::postEvent(
+        widget, new QMouseEvent(type, at, global, Qt::LeftButton, held, Qt::NoModifier));
   }
 }
 
@@ -218,12 +229,14 @@ QJsonObject answer(const QJsonObject& command) {
   if (what == "menus") return {{"entries", menuEntries()}};
   if (what == "lists") return lists();
   if (what == "picture") {
-    const bool saved = QApplication::primaryScreen()->grabWindow(0).save(command["file"].toString());
+    const bool saved =
+        QApplication::primaryScreen()->grabWindow(0).save(command["file"].toString());
     return saved ? QJsonObject{} : QJsonObject{{"error", "the picture could not be written"}};
   }
   if (what == "fill screen") {
     for (QWidget* widget : QApplication::topLevelWidgets())
-      if (widget->inherits("QMainWindow")) widget->setGeometry(QApplication::primaryScreen()->geometry());
+      if (widget->inherits("QMainWindow"))
+        widget->setGeometry(QApplication::primaryScreen()->geometry());
     return {};
   }
   if (what == "trigger") {
@@ -235,7 +248,8 @@ QJsonObject answer(const QJsonObject& command) {
   }
   if (what == "choose file") {
     for (QWidget* widget : QApplication::topLevelWidgets())
-      if (auto* dialog = qobject_cast<QFileDialog*>(widget); dialog != nullptr && dialog->isVisible()) {
+      if (auto* dialog = qobject_cast<QFileDialog*>(widget);
+          dialog != nullptr && dialog->isVisible()) {
         auto* edit = dialog->findChild<QLineEdit*>();
         edit->setText(command["file"].toString());
         QTimer::singleShot(0, dialog, [dialog] { QMetaObject::invokeMethod(dialog, "accept"); });
@@ -244,10 +258,12 @@ QJsonObject answer(const QJsonObject& command) {
     return {{"error", "no file dialog is open"}};
   }
   if (what == "click cell")
-    return clickCell(command["text"].toString()) ? QJsonObject{} : QJsonObject{{"error", "no such cell"}};
+    return clickCell(command["text"].toString()) ? QJsonObject{}
+                                                 : QJsonObject{{"error", "no such cell"}};
   if (what == "click" || what == "set") {
-    QWidget* widget = command.contains("label") ? fieldOf(command["label"].toString(), command["window"].toString())
-                                                : findWidget(command);
+    QWidget* widget = command.contains("label")
+                          ? fieldOf(command["label"].toString(), command["window"].toString())
+                          : findWidget(command);
     if (widget == nullptr) return {{"error", "no such widget"}};
     if (what == "set") return set(widget, command["value"]);
     click(widget);
@@ -263,10 +279,11 @@ class Agent : public QObject {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
-    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 || listen(listener_, 1) != 0)
+    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 ||
+        listen(listener_, 1) != 0)
       qFatal("GUI agent: cannot listen at %s", path);
-    connect(new QSocketNotifier(listener_, QSocketNotifier::Read, this), &QSocketNotifier::activated, this,
-            [this] { accept(); });
+    connect(new QSocketNotifier(listener_, QSocketNotifier::Read, this),
+            &QSocketNotifier::activated, this, [this] { accept(); });
   }
 
  private:
@@ -286,10 +303,12 @@ class Agent : public QObject {
       for (int end = received_.indexOf('\n'); end >= 0; end = received_.indexOf('\n')) {
         const QByteArray line = received_.left(end);
         received_.remove(0, end + 1);
-        QByteArray reply = QJsonDocument(answer(QJsonDocument::fromJson(line).object())).toJson(QJsonDocument::Compact);
+        QByteArray reply = QJsonDocument(answer(QJsonDocument::fromJson(line).object()))
+                               .toJson(QJsonDocument::Compact);
         reply += '\n';
         for (const char* at = reply.constData(); at < reply.constData() + reply.size();) {
-          const ssize_t written = write(connection, at, static_cast<size_t>(reply.constData() + reply.size() - at));
+          const ssize_t written =
+              write(connection, at, static_cast<size_t>(reply.constData() + reply.size() - at));
           if (written <= 0) break;
           at += written;
         }
@@ -303,7 +322,8 @@ class Agent : public QObject {
 
 void start() {
   const char* path = std::getenv("GUI_AGENT_SOCKET");
-  if (path == nullptr || qobject_cast<QApplication*>(QCoreApplication::instance()) == nullptr) return;
+  if (path == nullptr || qobject_cast<QApplication*>(QCoreApplication::instance()) == nullptr)
+    return;
   new Agent(path);  // lives as long as the process
 }
 

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Runs meshlabserver 2020.09 under Xvfb."""
+
 import os
 import subprocess
 import xml.etree.ElementTree as xml
@@ -23,9 +25,22 @@ class Server:
     def __call__(self, *arguments, folder):
         """Runs meshlabserver with these arguments in a folder."""
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("QT_", "DISPLAY"))}
-        environment.update(HOME=str(folder), XDG_CONFIG_HOME=str(folder / "config"), LIBGL_ALWAYS_SOFTWARE="1", LC_ALL="C.UTF-8")
-        ended = subprocess.run(["xvfb-run", "-a", str(self.binary), *map(str, arguments)], cwd=folder, env=environment,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", timeout=1800)
+        environment.update(
+            HOME=str(folder),
+            XDG_CONFIG_HOME=str(folder / "config"),
+            LIBGL_ALWAYS_SOFTWARE="1",
+            LC_ALL="C.UTF-8",
+        )
+        ended = subprocess.run(
+            ["xvfb-run", "-a", str(self.binary), *map(str, arguments)],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=1800,
+        )
         return Run(ended.returncode, ended.stdout)
 
     def job(self, files, folder, script=SCRIPTS / "main_job.mlx"):
@@ -40,7 +55,10 @@ class Server:
 
 def layer_files(project):
     """The mesh files of an .mlp, in layer order."""
-    return [Path(project).parent / m.get("filename") for m in xml.parse(project).getroot().iter("MLMesh")]
+    return [
+        Path(project).parent / m.get("filename")
+        for m in xml.parse(project).getroot().iter("MLMesh")
+    ]
 
 
 def write_project(path, layers):
@@ -50,8 +68,10 @@ def write_project(path, layers):
     for file, matrix, visible in layers:
         numbers = [repr(float(x)) for x in (identity if matrix is None else matrix)]
         rows = "\n".join(" ".join(numbers[4 * i : 4 * i + 4]) + " " for i in range(4))
-        text.append(f'  <MLMesh filename={quoteattr(str(file))} label={quoteattr(Path(file).name)} visible="{int(visible)}">\n'
-                    f"   <MLMatrix44>\n{rows}\n</MLMatrix44>\n  </MLMesh>\n")
+        text.append(
+            f'  <MLMesh filename={quoteattr(str(file))} label={quoteattr(Path(file).name)} visible="{int(visible)}">\n'
+            f"   <MLMatrix44>\n{rows}\n</MLMatrix44>\n  </MLMesh>\n"
+        )
     Path(path).write_text("".join(text) + " </MeshGroup>\n <RasterGroup/>\n</MeshLabProject>\n")
     return Path(path)
 
@@ -62,7 +82,11 @@ def write_script(path, *filters, base=SCRIPTS / "main_job.mlx"):
     root = xml.Element("FilterScript")
     for f in filters:
         name, changed = f if isinstance(f, tuple) else (f, {})
-        element = xml.fromstring(xml.tostring(known[name])) if name in known else xml.Element("filter", {"name": name})
+        element = (
+            xml.fromstring(xml.tostring(known[name]))
+            if name in known
+            else xml.Element("filter", {"name": name})
+        )
         for parameter in list(element):
             if parameter.get("name") in changed:
                 value = changed[parameter.get("name")]

@@ -1,15 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """MeshLab 2020.09's GUI: what a user meets. Pictures are kept in build/test-results/screenshots/."""
+
 import shutil
 
+import documents
 import pymeshlab
 import pytest
-
-import documents
 from gui import GuiError, until
 
 ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM = (
-    "Spherical parameterise root", "Propagate parameterisation to layers", "Remesh by icosphere",
-    "Evaluate spherical parameterisation", "Show parameterisation as sphere layers", "Beating ventricle phantom")
+    "Spherical parameterise root",
+    "Propagate parameterisation to layers",
+    "Remesh by icosphere",
+    "Evaluate spherical parameterisation",
+    "Show parameterisation as sphere layers",
+    "Beating ventricle phantom",
+)
 
 
 def ready(gui, count):
@@ -24,11 +30,16 @@ def test_the_whole_job(meshlab, surfaces):
     with meshlab(*surfaces[:3]) as gui:
         ready(gui, 3)
         menus = {(e["menu"], e["text"]) for e in gui.menus()}
-        for menu, name in [("Remeshing, Simplification and Reconstruction", ROOT), ("Mesh Layer", ROOT),
-                           ("Remeshing, Simplification and Reconstruction", PROPAGATE), ("Mesh Layer", PROPAGATE),
-                           ("Remeshing, Simplification and Reconstruction", REMESH),
-                           ("Quality Measure and Computations", EVALUATE), ("Mesh Layer", SPHERES),
-                           ("Create New Mesh Layer", PHANTOM)]:
+        for menu, name in [
+            ("Remeshing, Simplification and Reconstruction", ROOT),
+            ("Mesh Layer", ROOT),
+            ("Remeshing, Simplification and Reconstruction", PROPAGATE),
+            ("Mesh Layer", PROPAGATE),
+            ("Remeshing, Simplification and Reconstruction", REMESH),
+            ("Quality Measure and Computations", EVALUATE),
+            ("Mesh Layer", SPHERES),
+            ("Create New Mesh Layer", PHANTOM),
+        ]:
             assert (menu, name) in menus
 
         gui.open_filter(ROOT)
@@ -36,7 +47,10 @@ def test_the_whole_job(meshlab, surfaces):
         assert any("certified valid" in t for t in texts)  # what the filter is
         assert any(t.startswith("Initial map") for t in texts) and "Area weight" in texts
         choices = next(w for w in gui.widgets() if w.get("items") and "Brechbuehler" in w["items"])
-        assert choices["items"] == ["Automatic", "Brechbuehler", "Harmonic"] and choices["text"] == "Automatic"
+        assert (
+            choices["items"] == ["Automatic", "Brechbuehler", "Harmonic"]
+            and choices["text"] == "Automatic"
+        )
         assert not any("Preview" in t for t in texts)
         gui.picture("1-root-dialog")
 
@@ -45,7 +59,9 @@ def test_the_whole_job(meshlab, surfaces):
         assert added.count("0 flipped faces") == 3
         gui.picture("2-propagated")
         gui.apply(REMESH)
-        assert names(gui) == [f"ventricle_{i}" for i in range(3)] + [f"ventricle_{i} landmarks" for i in range(3)]
+        assert names(gui) == [f"ventricle_{i}" for i in range(3)] + [
+            f"ventricle_{i} landmarks" for i in range(3)
+        ]
         assert "492 landmarks" in gui.apply(REMESH, Frequency="7")  # replaced, not added
         assert len(gui.layers()) == 6
         gui.apply(SPHERES, Beside_the_surfaces=True)
@@ -99,5 +115,7 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
 
     with meshlab(project) as gui:
         ready(gui, 4)
-        assert gui.apply(REMESH).count("1002 landmarks") == 2  # the maps are known again, and landmark layers replaced
+        assert (
+            gui.apply(REMESH).count("1002 landmarks") == 2
+        )  # the maps are known again, and landmark layers replaced
         assert len(gui.layers()) == 4

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """scripts/install-plugin: what it puts where, again and again, and takes away. Never in the system's folders."""
+
 import os
 import subprocess
 
 import pytest
-
 from environment import PROJECT
 from server import SCRIPTS, Server
 
@@ -15,8 +16,12 @@ def install(tmp_path):
     """install(*arguments): (exit code, what it said); the user's data are in tmp_path/data."""
 
     def run(*arguments):
-        ended = subprocess.run([str(PROJECT / "scripts/install-plugin"), *map(str, arguments)], text=True, capture_output=True,
-                               env={**os.environ, "XDG_DATA_HOME": str(tmp_path / "data")})
+        ended = subprocess.run(
+            [str(PROJECT / "scripts/install-plugin"), *map(str, arguments)],
+            text=True,
+            capture_output=True,
+            env={**os.environ, "XDG_DATA_HOME": str(tmp_path / "data")},
+        )
         return ended.returncode, ended.stderr
 
     return run
@@ -29,7 +34,9 @@ def test_a_private_meshlab_again_and_again(install, tmp_path):
         assert code == 0 and f"{prefix}/bin/meshlabserver" in said and "--remove" in said
     server = Server(prefix / "bin/meshlabserver")
     run = server("-s", SCRIPTS / "main_job.mlx", folder=tmp_path)
-    assert "Spherical parameterise root not found" not in run.output and run.code != 0  # there is no layer
+    assert (
+        "Spherical parameterise root not found" not in run.output and run.code != 0
+    )  # there is no layer
 
     # As after an update of the package: other binaries, plugins that are new or gone.
     binary, plugins = prefix / "app/meshlabserver", prefix / "app/plugins"
@@ -69,6 +76,8 @@ def test_the_folder_of_2025_is_cleared(install, tmp_path):
     assert [p.name for p in folder.iterdir()] == ["libother.so"]
 
 
-@pytest.mark.parametrize("arguments", [["2020.09"], ["--prefix"], ["--help"], ["--prefix", "x", "meshlab"]])
+@pytest.mark.parametrize(
+    "arguments", [["2020.09"], ["--prefix"], ["--help"], ["--prefix", "x", "meshlab"]]
+)
 def test_what_it_does_not_understand(install, arguments):
     assert install(*arguments)[0] != 0

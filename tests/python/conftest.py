@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The package of the checkout, not one that happens to be installed; a small cycle that several tests share."""
+
 import sys
 from pathlib import Path
 
@@ -11,13 +13,17 @@ sys.path[:0] = [str(PYTHON), str(Path(__file__).resolve().parents[1] / "volumes"
 @pytest.fixture(scope="session")
 def cycle():
     import sphere_propagation as sp
-    return sp.correspond(sp.make_phantom(phases=6, voxel_size=4.0), root=0, order="Cyclic time", frequency=4)
+
+    return sp.correspond(
+        sp.make_phantom(phases=6, voxel_size=4.0), root=0, order="Cyclic time", frequency=4
+    )
 
 
 @pytest.fixture
 def egg_file(tmp_path):
     """A label volume of one phase."""
     import volume_files
+
     path = tmp_path / "egg.nii"
     path.write_bytes(volume_files.nifti(volume_files.egg()))
     return path
@@ -31,7 +37,12 @@ def run_python():
 
     def run(code, *arguments, **environment):
         paths = os.pathsep.join([str(PYTHON), *filter(None, [os.environ.get("PYTHONPATH")])])
-        return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=300,
-                              env={**os.environ, "PYTHONPATH": paths, **environment})
+        return subprocess.run(
+            [sys.executable, "-c", code, *arguments],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            env={**os.environ, "PYTHONPATH": paths, **environment},
+        )
 
     return run

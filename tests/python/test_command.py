@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The command line: what it leaves behind, what it says, how it ends."""
+
 import base64
 import csv
 import io
@@ -11,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import sphere_propagation as sp
 from sphere_propagation import command, pictures, plugin, progress
 
@@ -44,30 +45,49 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
     assert run("run", heart, "-o", out, "--frequency", 3) == 0
     said = capsys.readouterr().out
     assert str(out) in said and re.search(r"heart +Robust +3 +0 ", said)
-    assert [row["root"] for row in rows(out)] == ["1", "0", "0"]  # the largest volume is end-diastole
-    made = ("landmarks.png", "checkerboard.png", "map.png", "modes.png", "model.png", "scores.png", "volume.png")
+    assert [row["root"] for row in rows(out)] == [
+        "1",
+        "0",
+        "0",
+    ]  # the largest volume is end-diastole
+    made = (
+        "landmarks.png",
+        "checkerboard.png",
+        "map.png",
+        "modes.png",
+        "model.png",
+        "scores.png",
+        "volume.png",
+    )
     assert sorted(path.name for path in out.glob("*.png")) == sorted(made)
     for name in (*made, "heart/heart.mlp", "heart/heart_overview.mlp"):
         assert (out / name).stat().st_size > 1000
     page = (out / "report.html").read_text()
-    assert [base64.b64decode(data) for data in re.findall(r'src="data:image/png;base64,([^"]+)"', page)] == [
-        (out / name).read_bytes() for name in made]
+    assert [
+        base64.b64decode(data) for data in re.findall(r'src="data:image/png;base64,([^"]+)"', page)
+    ] == [(out / name).read_bytes() for name in made]
     assert_that_it_is_one_file(page)
 
 
 def assert_that_it_is_one_file(page):
     """Nothing is fetched: every source is data, and no sheet, script or link leads out."""
     assert set(re.findall(r'src="(.{5})', page)) <= {"data:"}
-    assert not re.search(r"<(script|link|iframe)|url\(|href=|https?://", re.sub(r'src="data:[^"]+"', "", page))
+    assert not re.search(
+        r"<(script|link|iframe)|url\(|href=|https?://", re.sub(r'src="data:[^"]+"', "", page)
+    )
 
 
 def test_it_builds_the_shape_model(heart, tmp_path, capsys):
     out = tmp_path / "out"
     assert run("run", heart, "-o", out, "--frequency", 3, "--no-pictures") == 0
     said = capsys.readouterr().out
-    assert re.search(r"heart: shape model: 2 modes, the first with [\d.]+ % of the variance, [12] for 95 %", said)
+    assert re.search(
+        r"heart: shape model: 2 modes, the first with [\d.]+ % of the variance, [12] for 95 %", said
+    )
     assert "heart/model.npz" in said
-    landmarks = [sp.read_mesh(path).vertices for path in sorted((out / "heart/landmarks").iterdir())]
+    landmarks = [
+        sp.read_mesh(path).vertices for path in sorted((out / "heart/landmarks").iterdir())
+    ]
     with np.load(out / "heart/model.npz") as file:
         model = dict(file)
     assert model["scores"].shape == (3, 2) and model["mean"].shape == (92, 3)
@@ -75,12 +95,18 @@ def test_it_builds_the_shape_model(heart, tmp_path, capsys):
     assert again.eigenvalues == pytest.approx(model["eigenvalues"], rel=1e-4)  # files hold floats
     with open(out / "heart/scores.csv", newline="") as file:
         table = list(csv.reader(file))
-    assert table[0] == ["shape", "mode_1", "mode_2"] and [line[0] for line in table[1:]] == [path.stem for path in sorted(heart.iterdir())]
+    assert table[0] == ["shape", "mode_1", "mode_2"] and [line[0] for line in table[1:]] == [
+        path.stem for path in sorted(heart.iterdir())
+    ]
     assert np.array_equal(np.array([line[1:] for line in table[1:]], float), model["scores"])
     with open(out / "heart/model.csv", newline="") as file:
         measures = list(csv.DictReader(file))
-    assert [line["modes"] for line in measures] == ["1", "2"] and float(measures[1]["variance_share"]) == pytest.approx(1)
-    assert [float(line["eigenvalue"]) for line in measures] == pytest.approx(model["eigenvalues"], rel=1e-9)
+    assert [line["modes"] for line in measures] == ["1", "2"] and float(
+        measures[1]["variance_share"]
+    ) == pytest.approx(1)
+    assert [float(line["eigenvalue"]) for line in measures] == pytest.approx(
+        model["eigenvalues"], rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("name", ["../evil", "a/b", "..", ""])
@@ -93,46 +119,116 @@ def test_a_name_that_is_a_path_is_refused_before_any_work(heart, tmp_path, capsy
 def test_options_reach_the_filters(heart, tmp_path, capsys):
     out = tmp_path / "out"
     files = sorted(heart.iterdir())
-    assert run("run", *files, "-o", out, "--name", "given", "--parents", "2,0,-1", "--method", "published", "--frequency", 2,
-               "--area-weight", 0.5, "--no-pictures") == 0
+    assert (
+        run(
+            "run",
+            *files,
+            "-o",
+            out,
+            "--name",
+            "given",
+            "--parents",
+            "2,0,-1",
+            "--method",
+            "published",
+            "--frequency",
+            2,
+            "--area-weight",
+            0.5,
+            "--no-pictures",
+        )
+        == 0
+    )
     found = rows(out)
-    assert [row["parent"] for row in found] == ["2", "0", "-1"] and {row["method"] for row in found} == {"As published"}
+    assert [row["parent"] for row in found] == ["2", "0", "-1"] and {
+        row["method"] for row in found
+    } == {"As published"}
     assert {row["data"] for row in found} == {"given"} and not list(out.glob("*.png"))
     assert len(sp.read_mesh(next((out / "given/landmarks").iterdir())).vertices) == 42
     softer = float(found[2]["area_ratio_sd"])
     assert run("run", *files, "-o", out, "--root", 2, "--method", "published", "--no-pictures") == 0
     assert softer > 2 * float(rows(out)[2]["area_ratio_sd"])
-    assert not (out / "given").exists() and (out / "heart").exists()  # nothing of the first run is left
+    assert (
+        not (out / "given").exists() and (out / "heart").exists()
+    )  # nothing of the first run is left
 
 
 def test_the_phantom(tmp_path, capsys):
-    assert run("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--seed", 1, "--frequency", 2, "--no-pictures") == 0
+    assert (
+        run(
+            "demo",
+            tmp_path,
+            "--phases",
+            3,
+            "--voxel-size",
+            4,
+            "--seed",
+            1,
+            "--frequency",
+            2,
+            "--no-pictures",
+        )
+        == 0
+    )
     found = rows(tmp_path)
     assert len(found) == 15 and {(row["data"], row["method"]) for row in found} == {
-        ("scan", "Robust"), *((data, method) for data in ("cavity", "wall") for method in ("Robust", "As published"))}
-    assert all(row["error_mm"] == "" if row["data"] == "scan" else 0 <= float(row["error_mm"]) < 12 for row in found)
+        ("scan", "Robust"),
+        *((data, method) for data in ("cavity", "wall") for method in ("Robust", "As published")),
+    }
+    assert all(
+        row["error_mm"] == "" if row["data"] == "scan" else 0 <= float(row["error_mm"]) < 12
+        for row in found
+    )
     assert len(sp.read_label_volume(tmp_path / "scan/scan.nii.gz").surfaces) == 3
     with np.load(tmp_path / "scan/model.npz") as model:
         assert model["scores"].shape == (3, 2)
     page = (tmp_path / "report.html").read_text()
     assert_that_it_is_one_file(page)
-    assert re.findall("<h2>(.*?)</h2>", page) == ["From a label volume to a shape model", "How right is it? Fine surfaces whose truth is known"]
-    assert page.count("phantom wall 02") == 2 and page.count("scan label 1 phase 02") == 1 and "<img" not in page
+    assert re.findall("<h2>(.*?)</h2>", page) == [
+        "From a label volume to a shape model",
+        "How right is it? Fine surfaces whose truth is known",
+    ]
+    assert (
+        page.count("phantom wall 02") == 2
+        and page.count("scan label 1 phase 02") == 1
+        and "<img" not in page
+    )
 
 
 def test_the_phantom_in_pictures(tmp_path, capsys):
     assert run("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--frequency", 2) == 0
     made = sorted(path.name for path in tmp_path.glob("*.png"))
-    of_the_scan = ["checkerboard.png", "landmarks.png", "map.png", "model.png", "modes.png", "scores.png", "volume.png"]
-    assert made == sorted([*of_the_scan, "error.png", "truth_checkerboard.png", "truth_landmarks.png", "truth_map.png"])
+    of_the_scan = [
+        "checkerboard.png",
+        "landmarks.png",
+        "map.png",
+        "model.png",
+        "modes.png",
+        "scores.png",
+        "volume.png",
+    ]
+    assert made == sorted(
+        [
+            *of_the_scan,
+            "error.png",
+            "truth_checkerboard.png",
+            "truth_landmarks.png",
+            "truth_map.png",
+        ]
+    )
     assert (tmp_path / "report.html").read_text().count("<img") == len(made)
 
 
 def test_the_phantom_where_label_volumes_cannot_be_read(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(plugin, "volume_failure", lambda: "ITK is missing.")
-    assert run("demo", tmp_path, "--phases", 2, "--voxel-size", 4, "--frequency", 2, "--no-pictures") == 0
+    assert (
+        run("demo", tmp_path, "--phases", 2, "--voxel-size", 4, "--frequency", 2, "--no-pictures")
+        == 0
+    )
     assert "no scan: label volumes cannot be read here. ITK is missing." in capsys.readouterr().out
-    assert {row["data"] for row in rows(tmp_path)} == {"cavity", "wall"} and not (tmp_path / "scan").exists()
+    assert {row["data"] for row in rows(tmp_path)} == {"cavity", "wall"} and not (
+        tmp_path / "scan"
+    ).exists()
 
 
 def test_the_demos_input_is_the_same_as_run(heart, tmp_path, capsys):
@@ -152,19 +248,24 @@ def test_without_the_packages_for_pictures(heart, tmp_path, capsys, monkeypatch)
 
 def test_without_a_display(heart, tmp_path, capsys, monkeypatch):
     """VTK crashes where it finds neither a display nor EGL."""
+
     def load(name):
         raise OSError(name)
 
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setattr(pictures.ctypes, "CDLL", load)
     assert run("run", heart, "-o", tmp_path / "out") == 0
-    assert "libEGL.so.1 is missing" in capsys.readouterr().out and not list((tmp_path / "out").glob("*.png"))
+    assert "libEGL.so.1 is missing" in capsys.readouterr().out and not list(
+        (tmp_path / "out").glob("*.png")
+    )
 
 
 def test_info(capsys):
     assert run("info") == 0
     said = capsys.readouterr().out
-    assert re.search(r"pymeshlab +2025\.7", said) and re.search(rf"sphere-propagation +{sp.__version__}\n", said)
+    assert re.search(r"pymeshlab +2025\.7", said) and re.search(
+        rf"sphere-propagation +{sp.__version__}\n", said
+    )
 
 
 def test_warnings_are_lines(cycle, heart, tmp_path, capsys):
@@ -190,9 +291,14 @@ def test_refusals_name_what_is_wrong(cycle, heart, tmp_path, capsys):
     assert "choose another" in refusal(capsys, "run", heart, "-o", tmp_path, code=2)
     (tmp_path / "file").touch()
     assert "file: " in refusal(capsys, "run", heart, "-o", tmp_path / "file")
-    opened = sp.Surface(cycle.surfaces[2].vertices, cycle.surfaces[2].faces[1:], cycle.surfaces[2].name)
+    opened = sp.Surface(
+        cycle.surfaces[2].vertices, cycle.surfaces[2].faces[1:], cycle.surfaces[2].name
+    )
     write(heart, [opened])
-    assert opened.name in refusal(capsys, "run", heart, "-o", out) and not (out / "figures.csv").exists()
+    assert (
+        opened.name in refusal(capsys, "run", heart, "-o", out)
+        and not (out / "figures.csv").exists()
+    )
     (heart / "broken.ply").write_text("hello")
     assert "broken.ply cannot be read as a mesh" in refusal(capsys, "run", heart, "-o", out)
     (heart / "broken.stl").touch()
@@ -200,32 +306,58 @@ def test_refusals_name_what_is_wrong(cycle, heart, tmp_path, capsys):
 
 
 def test_wrong_arguments_end_with_2(capsys):
-    for arguments in ([], ["run"], ["run", "x"], ["run", "x", "-o", "y", "--order", "none"], ["nothing"]):
+    for arguments in (
+        [],
+        ["run"],
+        ["run", "x"],
+        ["run", "x", "-o", "y", "--order", "none"],
+        ["nothing"],
+    ):
         with pytest.raises(SystemExit) as end:
             command.main(arguments)
         assert end.value.code == 2
 
 
-@pytest.mark.parametrize("option, value, words", [
-    ("--frequency", "0", "0 is not 1 or more"), ("--frequency", "ten", "invalid int value"), ("--area-weight", "2", "2 is not from 0 to 1"),
-    ("--area-restoration", "-1", "-1 is not from 0 to 1"), ("--area-restoration", "nan", "nan is not"), ("--root", "-1", "-1 is not 0 or more")])
+@pytest.mark.parametrize(
+    "option, value, words",
+    [
+        ("--frequency", "0", "0 is not 1 or more"),
+        ("--frequency", "ten", "invalid int value"),
+        ("--area-weight", "2", "2 is not from 0 to 1"),
+        ("--area-restoration", "-1", "-1 is not from 0 to 1"),
+        ("--area-restoration", "nan", "nan is not"),
+        ("--root", "-1", "-1 is not 0 or more"),
+    ],
+)
 def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
     with pytest.raises(SystemExit) as end:
         run("run", "x", "-o", "y", option, value)
     assert end.value.code == 2 and words in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option, words", [
-    ("--root=9", "Layer 9 cannot be the root"), ("--frequency=900", "frequency must lie between 1 and 816"),
-    ("--parents=-1,0", "parents must be 3 numbers"), ("--parents=-1,0,3", "parents must be 3 numbers"),
-    ("--parents=-1,0,-1", "-1 for the root, once"), ("--parents=-1,2,1", "round in a circle"), ("--parents=a,b,c", "whole numbers")])
-def test_arguments_that_do_not_fit_the_meshes_end_with_2_before_any_work(heart, tmp_path, capsys, option, words):
+@pytest.mark.parametrize(
+    "option, words",
+    [
+        ("--root=9", "Layer 9 cannot be the root"),
+        ("--frequency=900", "frequency must lie between 1 and 816"),
+        ("--parents=-1,0", "parents must be 3 numbers"),
+        ("--parents=-1,0,3", "parents must be 3 numbers"),
+        ("--parents=-1,0,-1", "-1 for the root, once"),
+        ("--parents=-1,2,1", "round in a circle"),
+        ("--parents=a,b,c", "whole numbers"),
+    ],
+)
+def test_arguments_that_do_not_fit_the_meshes_end_with_2_before_any_work(
+    heart, tmp_path, capsys, option, words
+):
     (heart / "phantom cavity 00.ply").write_text("not read")
     assert words in refusal(capsys, "run", heart, "-o", tmp_path / "out", option, code=2)
     assert not (tmp_path / "out").exists() and capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize("given", [["--parents", "-1,0,1"], ["--parents=-1,0,1"], ["--parents", "-1, 0, 1"]])
+@pytest.mark.parametrize(
+    "given", [["--parents", "-1,0,1"], ["--parents=-1,0,1"], ["--parents", "-1, 0, 1"]]
+)
 def test_parents_that_begin_with_the_root(heart, tmp_path, given):
     """argparse by itself takes -1,0,1 for an option."""
     assert run("run", heart, "-o", tmp_path / "out", *given, "--frequency", 2, "--no-pictures") == 0
@@ -233,14 +365,29 @@ def test_parents_that_begin_with_the_root(heart, tmp_path, given):
 
 
 def test_a_single_mesh(heart, tmp_path, capsys):
-    assert "gives one surface" in refusal(capsys, "run", next(iter(heart.iterdir())), "-o", tmp_path / "out", code=2)
+    assert "gives one surface" in refusal(
+        capsys, "run", next(iter(heart.iterdir())), "-o", tmp_path / "out", code=2
+    )
 
 
 def test_interrupting_it(tmp_path):
     """Ctrl-C ends it when the filter that runs is done: one line, no traceback, 130."""
-    process = subprocess.Popen([sys.executable, "-m", "_sphere_propagation_command", "demo", tmp_path / "out", "--phases", "60"],
-                               cwd=PYTHON, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # ignored in a shell's background
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "_sphere_propagation_command",
+            "demo",
+            tmp_path / "out",
+            "--phases",
+            "60",
+        ],
+        cwd=PYTHON,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # ignored in a shell's background
     process.stdout.readline()  # the first step is over
     process.send_signal(signal.SIGINT)
     said, errors = process.communicate(timeout=300)
@@ -250,17 +397,28 @@ def test_interrupting_it(tmp_path):
 @pytest.mark.parametrize("arguments", [["info"], ["demo", "--help"]])
 def test_a_reader_that_has_seen_enough(arguments, monkeypatch):
     monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
-    process = subprocess.Popen([sys.executable, "-m", "_sphere_propagation_command", *arguments], cwd=PYTHON,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "_sphere_propagation_command", *arguments],
+        cwd=PYTHON,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     process.stdout.close()
     assert process.stderr.read() == b"" and process.wait(60) == 141
     process.stderr.close()
 
 
 def test_what_goes_wrong_at_import_is_said_without_a_traceback(run_python, tmp_path):
-    found = run_python("import sys, _sphere_propagation_command as command; sys.exit(command.main())", "info",
-                       SPHERE_PROPAGATION_PLUGIN=str(tmp_path / "nothing.so"))
-    assert found.returncode == 1 and found.stderr.startswith("error: There is no plugin at") and "Traceback" not in found.stderr
+    found = run_python(
+        "import sys, _sphere_propagation_command as command; sys.exit(command.main())",
+        "info",
+        SPHERE_PROPAGATION_PLUGIN=str(tmp_path / "nothing.so"),
+    )
+    assert (
+        found.returncode == 1
+        and found.stderr.startswith("error: There is no plugin at")
+        and "Traceback" not in found.stderr
+    )
 
 
 class Terminal(io.StringIO):
@@ -280,6 +438,8 @@ def test_a_bar_on_a_terminal_lines_elsewhere():
     bar.close()
     bar.close()
     said = screen.getvalue()
-    assert "[....................] 1/2  first" in said and "[##########..........] 2/2  second" in said
+    assert (
+        "[....................] 1/2  first" in said and "[##########..........] 2/2  second" in said
+    )
     assert said.count("2/2  second") >= 2
     assert re.search(r"\r\x1b\[K\[ +0\.\d s\] first is over\n", said) and said.endswith("\r\x1b[K")

@@ -1,11 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Files: what is written comes back, in which order meshes are read, what an output folder keeps and lets go of."""
+
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
-
 import sphere_propagation as sp
 from sphere_propagation.results import LIST, ResultFolder
 
@@ -23,33 +24,57 @@ def test_layers_written_come_back_with_their_maps(cycle, tmp_path):
     project = xml.parse(tmp_path / "cycle" / "cycle_overview.mlp")
     assert len(project.findall(".//MLMesh")) == 13
     for mesh in project.findall(".//MLMesh"):
-        assert not Path(mesh.get("filename")).is_absolute() and (tmp_path / "cycle" / mesh.get("filename")).is_file()
+        assert (
+            not Path(mesh.get("filename")).is_absolute()
+            and (tmp_path / "cycle" / mesh.get("filename")).is_file()
+        )
 
 
 def test_surfaces_and_maps_come_back(cycle, tmp_path):
     sp.write_layers(tmp_path, "cycle", cycle)
     path = tmp_path / "cycle/surfaces/phantom_cavity_03.ply"
     surface, sphere = sp.read_mesh(path), sp.read_map(path)
-    assert surface.name == "phantom_cavity_03" and np.array_equal(surface.faces, cycle.surfaces[3].faces)
+    assert surface.name == "phantom_cavity_03" and np.array_equal(
+        surface.faces, cycle.surfaces[3].faces
+    )
     assert np.abs(surface.vertices - cycle.surfaces[3].vertices).max() < 1e-5
     assert np.abs(sphere.positions - cycle.maps[3].positions).max() < 1e-6
-    assert sphere.figures["area_ratio_sd"] == pytest.approx(cycle.maps[3].figures["area_ratio_sd"], rel=1e-3)
+    assert sphere.figures["area_ratio_sd"] == pytest.approx(
+        cycle.maps[3].figures["area_ratio_sd"], rel=1e-3
+    )
 
 
 def test_other_texture_coordinates_are_no_map(cycle, tmp_path):
     surface = cycle.surfaces[0]
-    sp.write_ply(tmp_path / "planar.ply", surface.vertices, surface.faces, texture=np.zeros((len(surface.vertices), 2)))
+    sp.write_ply(
+        tmp_path / "planar.ply",
+        surface.vertices,
+        surface.faces,
+        texture=np.zeros((len(surface.vertices), 2)),
+    )
     sp.write_ply(tmp_path / "plain.ply", surface.vertices, surface.faces)
-    for name, words in (("planar", "no valid map"), ("plain", "no texture coordinates"), ("nowhere", "There is no file")):
+    for name, words in (
+        ("planar", "no valid map"),
+        ("plain", "no texture coordinates"),
+        ("nowhere", "There is no file"),
+    ):
         with pytest.raises(sp.FileError, match=words):
             sp.read_map(tmp_path / f"{name}.ply")
 
 
-@pytest.mark.parametrize("content, words", [
-    (b"hello", "no PLY header"), (b"", "no PLY header"), (b"ply\nformat ascii 1.0\nelement vertex 3\n", "no PLY header"),
-    (b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-     b"property list uchar int vertex_indices\nend_header\n0 0 0\n", "EOF"),
-])
+@pytest.mark.parametrize(
+    "content, words",
+    [
+        (b"hello", "no PLY header"),
+        (b"", "no PLY header"),
+        (b"ply\nformat ascii 1.0\nelement vertex 3\n", "no PLY header"),
+        (
+            b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+            b"property list uchar int vertex_indices\nend_header\n0 0 0\n",
+            "EOF",
+        ),
+    ],
+)
 def test_a_broken_file_is_named(content, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("broken.ply").write_bytes(content)
@@ -67,13 +92,23 @@ def test_points_are_no_surface(tmp_path):
 def test_a_folder_is_in_natural_order(tmp_path):
     for name in ("phase_10.ply", "phase_2.PLY", "phase_1.stl", "notes.txt"):
         (tmp_path / name).touch()
-    assert [path.name for path in sp.mesh_files(tmp_path)] == ["phase_1.stl", "phase_2.PLY", "phase_10.ply"]
+    assert [path.name for path in sp.mesh_files(tmp_path)] == [
+        "phase_1.stl",
+        "phase_2.PLY",
+        "phase_10.ply",
+    ]
 
 
-@pytest.mark.parametrize("given, meant", [
-    (["t10.ply", "t1.ply", "t2.ply"], ["t1.ply", "t2.ply", "t10.ply"]),  # names that differ in numbers alone
-    (["systole.ply", "diastole.ply"], ["systole.ply", "diastole.ply"]),  # as given
-])
+@pytest.mark.parametrize(
+    "given, meant",
+    [
+        (
+            ["t10.ply", "t1.ply", "t2.ply"],
+            ["t1.ply", "t2.ply", "t10.ply"],
+        ),  # names that differ in numbers alone
+        (["systole.ply", "diastole.ply"], ["systole.ply", "diastole.ply"]),  # as given
+    ],
+)
 def test_files_are_in_order_of_their_numbers(given, meant, tmp_path):
     for name in given:
         (tmp_path / name).touch()
@@ -93,7 +128,11 @@ def text(words):
 
 
 def names(folder):
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file() and path.name != LIST)
+    return sorted(
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and path.name != LIST
+    )
 
 
 def test_a_second_run_leaves_nothing_of_the_first(tmp_path):
@@ -118,9 +157,21 @@ def test_work_of_others_is_kept(tmp_path):
     second = ResultFolder(tmp_path)
     for name in ("edited.txt", "foreign.txt"):
         second.write(name, text("ours"))
-    assert names(tmp_path) == ["edited.txt", "edited.txt.bak", "edited_too.txt", "foreign.txt", "foreign.txt.bak"]
-    assert (tmp_path / "edited.txt.bak").read_text() == "theirs" and (tmp_path / "foreign.txt.bak").read_text() == "foreign"
-    assert {path.name for path in second.kept} == {"edited.txt.bak", "edited_too.txt", "foreign.txt.bak"}
+    assert names(tmp_path) == [
+        "edited.txt",
+        "edited.txt.bak",
+        "edited_too.txt",
+        "foreign.txt",
+        "foreign.txt.bak",
+    ]
+    assert (tmp_path / "edited.txt.bak").read_text() == "theirs" and (
+        tmp_path / "foreign.txt.bak"
+    ).read_text() == "foreign"
+    assert {path.name for path in second.kept} == {
+        "edited.txt.bak",
+        "edited_too.txt",
+        "foreign.txt.bak",
+    }
 
 
 def test_a_list_cannot_reach_outside(tmp_path):

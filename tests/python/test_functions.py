@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The filters as functions on arrays: the same parameters, the same results, refusals that name what is wrong."""
+
 import inspect
 
 import numpy as np
 import pymeshlab
 import pytest
-
 import sphere_propagation as sp
 from sphere_propagation import filters
 from sphere_propagation.surface import distinct_names
@@ -16,21 +17,39 @@ FUNCTIONS = {
     sp.propagate: (filters.PROPAGATE, set()),
     sp.remesh: (filters.REMESH, {"color_landmarks"}),  # arrays of points have no colours
     sp.evaluate: (filters.EVALUATE, set()),
-    sp.shape_model: (filters.MODEL, {"standard_deviations", "mode_layers"}),  # of the layers that show modes
-    sp.map_colors: (filters.COLOR, {"store_area_ratio", "landmark_layers"}),  # nor is there quality, nor landmark layers
+    sp.shape_model: (
+        filters.MODEL,
+        {"standard_deviations", "mode_layers"},
+    ),  # of the layers that show modes
+    sp.map_colors: (
+        filters.COLOR,
+        {"store_area_ratio", "landmark_layers"},
+    ),  # nor is there quality, nor landmark layers
     sp.make_phantom: (filters.PHANTOM, set()),
 }
-CHOICES = {"initial_map": filters.INITIAL_MAPS, "method": filters.METHODS, "order": filters.ORDERS, "part": filters.PARTS,
-           "pattern": filters.PATTERNS, "alignment": filters.ALIGNMENTS, "coordinates": filters.COORDINATES}
+CHOICES = {
+    "initial_map": filters.INITIAL_MAPS,
+    "method": filters.METHODS,
+    "order": filters.ORDERS,
+    "part": filters.PARTS,
+    "pattern": filters.PATTERNS,
+    "alignment": filters.ALIGNMENTS,
+    "coordinates": filters.COORDINATES,
+}
 
 
 def tetrahedron(scale=1.0):
-    return np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * scale, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    return np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * scale, np.array(
+        [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    )
 
 
 def keywords(function):
-    return {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()
-            if parameter.kind is inspect.Parameter.KEYWORD_ONLY}
+    return {
+        name: parameter.default
+        for name, parameter in inspect.signature(function).parameters.items()
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
+    }
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: function.__name__)
@@ -43,21 +62,34 @@ def test_parameters_are_the_filters(function):
     assert set(found) == set(meant) - left_out
     for parameter, default in found.items():
         value = CHOICES[parameter].index(default) if parameter in CHOICES else default
-        assert value == pytest.approx(meant[parameter], rel=1e-6) if isinstance(value, float) else value == meant[parameter]
+        assert (
+            value == pytest.approx(meant[parameter], rel=1e-6)
+            if isinstance(value, float)
+            else value == meant[parameter]
+        )
         assert type(value) is type(meant[parameter])
-        assert parameter in function.__doc__ or parameter in ("seed", "phases")  # which speak for themselves
+        assert parameter in function.__doc__ or parameter in (
+            "seed",
+            "phases",
+        )  # which speak for themselves
 
 
 @pytest.mark.parametrize("parameter", CHOICES)
 def test_choices_are_the_filters(parameter, cycle, egg_file):
     """Every choice is accepted, and the filter knows no more: the number behind the last one is refused."""
-    call = {"initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
-            "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
-            "order": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"),
-            "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
-            "alignment": lambda value: sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment=value),
-            "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
-            "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4)}[parameter]
+    call = {
+        "initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
+        "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
+        "order": lambda value: sp.propagate(
+            cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"
+        ),
+        "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
+        "alignment": lambda value: sp.shape_model(
+            cycle.landmarks, cycle.landmark_faces, alignment=value
+        ),
+        "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
+        "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4),
+    }[parameter]
     for choice in CHOICES[parameter]:
         call(choice)
     with pytest.raises(sp.FilterError):
@@ -81,14 +113,19 @@ def test_the_functions_are_the_filters(cycle):
     meshes.apply_filter(filters.PROPAGATE, order="Cyclic time")
     meshes.apply_filter(filters.REMESH, frequency=4)
     for i, sphere in enumerate(cycle.maps):
-        assert np.array_equal(sphere.positions, meshes.mesh(i).vertex_custom_point_attribute_matrix("sphere_position"))
+        assert np.array_equal(
+            sphere.positions, meshes.mesh(i).vertex_custom_point_attribute_matrix("sphere_position")
+        )
         assert np.array_equal(sphere.texture, meshes.mesh(i).vertex_tex_coord_matrix())
         assert np.array_equal(cycle.landmarks[i], meshes.mesh(6 + i).vertex_matrix())
 
 
 def test_arrays_will_do(cycle):
     """(vertices, faces), positions alone, lists, other types of numbers."""
-    surfaces = [(surface.vertices.astype(np.float32).tolist(), surface.faces.astype(np.uint16)) for surface in cycle.surfaces[:2]]
+    surfaces = [
+        (surface.vertices.astype(np.float32).tolist(), surface.faces.astype(np.uint16))
+        for surface in cycle.surfaces[:2]
+    ]
     root = sp.parameterise_root(surfaces[0])
     assert set(root.figures) >= {"flipped_faces", "area_ratio_sd", "seconds"}
     found = sp.propagate(surfaces, root.positions.tolist())
@@ -105,7 +142,9 @@ def test_parents_are_a_list(cycle):
 
 def test_a_surface_in_another_unit_is_warned_of(cycle):
     away = sp.Surface(cycle.surfaces[2].vertices * 10, cycle.surfaces[2].faces, "in tenths of mm")
-    with pytest.warns(sp.SpherePropagationWarning, match=r"^in tenths of mm lies \d+\.\d edge lengths off") as warned:
+    with pytest.warns(
+        sp.SpherePropagationWarning, match=r"^in tenths of mm lies \d+\.\d edge lengths off"
+    ) as warned:
         sp.propagate([*cycle.surfaces[:2], away], cycle.root_map)
     assert len(warned) == 1 and warned[0].filename == __file__
 
@@ -119,14 +158,21 @@ def test_the_largest_is_the_root(cycle):
 def test_a_map_that_is_not_valid_is_reported(cycle):
     flipped = cycle.maps[0].positions * [1, 1, -1]
     measures = sp.evaluate(cycle.surfaces[:2], [flipped, cycle.maps[1]])
-    assert measures["valid"].tolist() == [0, 1] and measures["flipped_faces"][0] == len(cycle.surfaces[0].faces)
+    assert measures["valid"].tolist() == [0, 1] and measures["flipped_faces"][0] == len(
+        cycle.surfaces[0].faces
+    )
 
 
 def test_the_same_place_has_the_same_colour(cycle):
     direction = sp.map_colors(cycle.surfaces[:2], cycle.maps[:2], pattern="Direction")
-    assert [colors.shape for colors in direction] == [surface.vertices.shape for surface in cycle.surfaces[:2]]
+    assert [colors.shape for colors in direction] == [
+        surface.vertices.shape for surface in cycle.surfaces[:2]
+    ]
     near = (cycle.maps[0].positions @ cycle.maps[1].positions.T).argmax(1)
-    assert np.abs(direction[0] - direction[1][near]).max() < 0.2 and np.ptp(direction[0], 0).min() > 0.5
+    assert (
+        np.abs(direction[0] - direction[1][near]).max() < 0.2
+        and np.ptp(direction[0], 0).min() > 0.5
+    )
 
 
 def test_names_are_told_apart():
@@ -137,14 +183,16 @@ def test_names_are_told_apart():
 def test_volume_and_edges():
     surface = sp.Surface(*tetrahedron(3))
     assert surface.volume == pytest.approx(27 / 6)
-    assert surface.mean_edge_length == pytest.approx((1 + 2 ** 0.5) / 2 * 3)
+    assert surface.mean_edge_length == pytest.approx((1 + 2**0.5) / 2 * 3)
 
 
 V, F = tetrahedron()
 REFUSED = {
     "shape (n, 3)": lambda c: sp.parameterise_root((V[:, :2], F)),
     "integers of shape": lambda c: sp.parameterise_root((V, F.astype(float))),
-    "1 faces name a vertex that is not there (first: face 2": lambda c: sp.parameterise_root((V, F + [[0], [0], [1], [0]])),
+    "1 faces name a vertex that is not there (first: face 2": lambda c: sp.parameterise_root(
+        (V, F + [[0], [0], [1], [0]])
+    ),
     "not int": lambda c: sp.parameterise_root(7),
     "no surface": lambda c: sp.propagate([], c.root_map),
     "Layer 6 cannot be the root": lambda c: sp.propagate(c.surfaces, c.root_map, root_layer=6),
@@ -153,9 +201,13 @@ REFUSED = {
     "initial_map must be one of": lambda c: sp.correspond(c.surfaces, initial_map=""),
     "order must be one of": lambda c: sp.correspond(c.surfaces, order="cyclic"),
     "area_weight must lie between": lambda c: sp.correspond(c.surfaces, area_weight=1.5),
-    "area_restoration must lie between": lambda c: sp.correspond(c.surfaces, area_restoration=float("nan")),
+    "area_restoration must lie between": lambda c: sp.correspond(
+        c.surfaces, area_restoration=float("nan")
+    ),
     "frequency must lie between 1 and 577": lambda c: sp.correspond(c.surfaces, frequency=0),
-    "parents say that layer 0 is": lambda c: sp.correspond(c.surfaces[:2], root=1, order="Given", parents=[-1, 0]),
+    "parents say that layer 0 is": lambda c: sp.correspond(
+        c.surfaces[:2], root=1, order="Given", parents=[-1, 0]
+    ),
     "positions": lambda c: sp.propagate(c.surfaces, c.maps[0].positions[1:]),
     "need as many maps, not 1": lambda c: sp.remesh(c.surfaces, c.maps[:1]),
     "Positions of a map": lambda c: sp.SphereMap(V[:, 0]),
@@ -179,7 +231,9 @@ def test_filters_refuse_in_their_own_words(cycle):
     with pytest.raises(sp.FilterError, match="wrong type: frequency='ten'"):
         sp.remesh(cycle.surfaces, cycle.maps, frequency="ten")
     with pytest.raises(sp.FilterError, match="taken for a surface"):  # a landmark mesh is none
-        sp.propagate([*cycle.surfaces[:2], (cycle.landmarks[2], cycle.landmark_faces)], cycle.root_map)
+        sp.propagate(
+            [*cycle.surfaces[:2], (cycle.landmarks[2], cycle.landmark_faces)], cycle.root_map
+        )
     for error in (sp.FilterError, sp.InputError, sp.FileError, sp.PluginError):
         assert issubclass(error, sp.SpherePropagationError)
 
@@ -190,13 +244,25 @@ def test_a_mirrored_surface_is_reflected_and_returned(cycle):
     for i, surface in enumerate(cycle.surfaces[:3]):
         v = surface.vertices - surface.vertices.mean(0)
         d = v / np.linalg.norm(v, axis=1, keepdims=True)
-        bump = 1 + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1)) + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+        bump = (
+            1
+            + 0.5 * np.exp(-4 * ((d - [0.6, 0.64, 0.48]) ** 2).sum(1))
+            + 0.4 * np.exp(-6 * ((d - [-0.48, 0.6, 0.64]) ** 2).sum(1))
+        )
         v, f = d * bump[:, None] * [40, 30, 22], surface.faces
-        shapes.append(sp.Surface(v * [-1, 1, 1], f[:, [0, 2, 1]], "left") if i == 1 else sp.Surface(v, f, f"right {i}"))
+        shapes.append(
+            sp.Surface(v * [-1, 1, 1], f[:, [0, 2, 1]], "left")
+            if i == 1
+            else sp.Surface(v, f, f"right {i}")
+        )
     made = sp.correspond(shapes, root=0, frequency=4, mirror_layers=True)
     assert made.figures["mirrored"].tolist() == [0, 1, 0]
     assert made.surfaces[0] is shapes[0] and made.surfaces[1].name == "left"
     was, now = shapes[1].vertices, made.surfaces[1].vertices
-    assert np.ptp(now[:, 0] + was[:, 0]) < 1e-9 and np.array_equal(now[:, 1:], was[:, 1:]) and made.surfaces[1].volume > 0
+    assert (
+        np.ptp(now[:, 0] + was[:, 0]) < 1e-9
+        and np.array_equal(now[:, 1:], was[:, 1:])
+        and made.surfaces[1].volume > 0
+    )
     assert sp.evaluate(made.surfaces, made.maps)["valid"].all()
     assert not sp.propagate(shapes, made.root_map).figures["mirrored"].any()

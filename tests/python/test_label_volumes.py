@@ -1,11 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Label volumes in Python and on the command line: surfaces of all phases, what deserves a look, what is missing."""
+
 import csv
 import gzip
 import shutil
 
 import numpy as np
 import pytest
-
 import sphere_propagation as sp
 import volume_files
 from sphere_propagation import command, files, plugin
@@ -13,10 +14,14 @@ from sphere_propagation import command, files, plugin
 
 def beat(phases=3):
     """Labels of an egg (1) in a larger one (2) that contracts, phase by phase."""
+
     def phase(t):
-        x = np.stack(np.meshgrid(*[np.linspace(-1.3, 1.3, n) for n in (26, 24, 22)], indexing="ij"), -1)
+        x = np.stack(
+            np.meshgrid(*[np.linspace(-1.3, 1.3, n) for n in (26, 24, 22)], indexing="ij"), -1
+        )
         r = (x**2).sum(-1) * (1 + 0.25 * x[..., 0] + 0.15 * x[..., 1] - 0.2 * x[..., 2])
         return np.select([r < 0.6 - 0.1 * t, r < 1], [1, 2]).astype("u1")
+
     return np.stack([phase(t) for t in range(phases)], -1)
 
 
@@ -29,11 +34,15 @@ def volume(tmp_path):
 
 def test_surfaces_and_figures_of_all_phases(volume):
     found = sp.read_label_volume(volume)
-    assert [surface.name for surface in found.surfaces] == [f"beat_1.5mm label 1 phase 0{t}" for t in range(3)]
+    assert [surface.name for surface in found.surfaces] == [
+        f"beat_1.5mm label 1 phase 0{t}" for t in range(3)
+    ]
     voxels = [(beat()[..., t] == 1).sum() * 1.5**3 for t in range(3)]
     assert found.figures["label_volume"] == pytest.approx(voxels)
     assert [surface.volume for surface in found.surfaces] == pytest.approx(voxels, rel=0.02)
-    assert [len(surface.vertices) for surface in found.surfaces] == found.figures["vertices"].tolist()
+    assert [len(surface.vertices) for surface in found.surfaces] == found.figures[
+        "vertices"
+    ].tolist()
     assert all(len(values) == 3 for values in found.figures.values())
 
 
@@ -44,7 +53,10 @@ def test_labels_are_united(volume, labels):
 
 
 def test_a_label_by_its_number(volume):
-    assert sp.read_label_volume(volume, labels=1, voxel_size=3).surfaces[0].name == "beat_1.5mm label 1 phase 00"
+    assert (
+        sp.read_label_volume(volume, labels=1, voxel_size=3).surfaces[0].name
+        == "beat_1.5mm label 1 phase 00"
+    )
     with pytest.raises(sp.FilterError, match="label 7"):
         sp.read_label_volume(volume, labels=7)
 
@@ -56,13 +68,22 @@ def test_what_deserves_a_look_is_warned_of(volume, tmp_path):
     gap = labels.copy()
     gap[:, :, 7:9] = 0
     (tmp_path / "gap.nii").write_bytes(volume_files.nifti(gap))
-    with pytest.warns(sp.SpherePropagationWarning, match="gap label 1: 2 slices without the label were interpolated"):
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match="gap label 1: 2 slices without the label were interpolated",
+    ):
         sp.read_label_volume(tmp_path / "gap.nii")
-    with pytest.warns(sp.SpherePropagationWarning, match=r"label 2 phase \d+ \(and 2 phases less so\): [\d.]+ % lie between the volume"):
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"label 2 phase \d+ \(and 2 phases less so\): [\d.]+ % lie between the volume",
+    ):
         sp.read_label_volume(volume, labels=2)
     two = np.concatenate([labels, labels[:, :, ::-1], labels[:10]], 0)
     (tmp_path / "parts.nii").write_bytes(volume_files.nifti(two))
-    with pytest.warns(sp.SpherePropagationWarning, match=r"parts label 1: [\d.]+ % of the label's voxels were dropped with its smaller parts"):
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"parts label 1: [\d.]+ % of the label's voxels were dropped with its smaller parts",
+    ):
         sp.read_label_volume(tmp_path / "parts.nii")
 
 
@@ -77,8 +98,11 @@ def test_a_thin_label_that_loses_much_is_warned_of(tmp_path):
     labels = np.zeros((24, 24, 12), np.uint8)
     labels[3:21, 3:21, 4:7] = 1
     (tmp_path / "plate.nii").write_bytes(volume_files.nifti(labels))
-    with pytest.warns(sp.SpherePropagationWarning, match=r"plate label 1: [\d.]+ % of the label's volume are missing in the surface: choose a "
-                      "smaller smoothing, or a smaller voxel_size"):
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"plate label 1: [\d.]+ % of the label's volume are missing in the surface: choose a "
+        "smaller smoothing, or a smaller voxel_size",
+    ):
         figures = sp.read_label_volume(tmp_path / "plate.nii", smoothing=2).figures
     assert figures["volume"][0] < 0.9 * figures["label_volume"][0]
 
@@ -96,7 +120,11 @@ def test_one_volume_has_no_phases(tmp_path, capsys):
     (tmp_path / "one.nii").write_bytes(volume_files.nifti(volume_files.egg()))
     assert run("run", tmp_path / "one.nii", "-o", tmp_path / "out") == 2
     error = capsys.readouterr().err
-    assert "one.nii gives one surface" in error and "One volume has no phases" in error and not (tmp_path / "out").exists()
+    assert (
+        "one.nii gives one surface" in error
+        and "One volume has no phases" in error
+        and not (tmp_path / "out").exists()
+    )
     assert run("run", tmp_path / "one.nii", "-o", tmp_path / "out", "--labels", "7") == 1
     assert "label 7" in (error := capsys.readouterr().err) and "skip" not in error
 
@@ -107,8 +135,23 @@ def test_pictures_number_the_phases_as_the_file_does(tmp_path, monkeypatch):
     labels[..., 1] = 0
     (tmp_path / "gap.nii").write_bytes(volume_files.nifti(labels))
     shown = []
-    monkeypatch.setattr("sphere_propagation.gallery.show", lambda results, title, text, sections, draw, steps: shown.extend(sections))
-    assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--frequency", 2, "--no-pictures", "--skip-incomplete-phases") == 0
+    monkeypatch.setattr(
+        "sphere_propagation.gallery.show",
+        lambda results, title, text, sections, draw, steps: shown.extend(sections),
+    )
+    assert (
+        run(
+            "run",
+            tmp_path / "gap.nii",
+            "-o",
+            tmp_path / "out",
+            "--frequency",
+            2,
+            "--no-pictures",
+            "--skip-incomplete-phases",
+        )
+        == 0
+    )
     assert shown[0].rows[0].numbers() == [0, 2, 3]
 
 
@@ -122,7 +165,9 @@ def test_from_a_label_volume_to_the_model(volume, tmp_path, capsys):
     name = "beat_1.5mm"
     assert f"3 meshes: {volume.name}" in capsys.readouterr().out
     landmarks = sorted((out / name / "landmarks").iterdir())
-    assert [path.name for path in landmarks] == [f"{name}_label_1_phase_0{t}_landmarks.ply" for t in range(3)]
+    assert [path.name for path in landmarks] == [
+        f"{name}_label_1_phase_0{t}_landmarks.ply" for t in range(3)
+    ]
     with np.load(out / name / "model.npz") as model:
         assert model["scores"].shape == (3, 2)
     with open(out / "figures.csv", newline="") as file:
@@ -131,11 +176,34 @@ def test_from_a_label_volume_to_the_model(volume, tmp_path, capsys):
 
 def test_options_reach_the_import(volume, tmp_path, capsys):
     out = tmp_path / "out"
-    assert run("run", volume, "-o", out, "--frequency", 2, "--no-pictures", "--labels", "1,2", "--voxel-size", 3, "--coordinates", "lps",
-               "--smoothing", 0.5) == 0
+    assert (
+        run(
+            "run",
+            volume,
+            "-o",
+            out,
+            "--frequency",
+            2,
+            "--no-pictures",
+            "--labels",
+            "1,2",
+            "--voxel-size",
+            3,
+            "--coordinates",
+            "lps",
+            "--smoothing",
+            0.5,
+        )
+        == 0
+    )
     surface = sp.read_mesh(next((out / "beat_1.5mm/surfaces").iterdir()))
-    expected = sp.read_label_volume(volume, labels="1,2", voxel_size=3, coordinates="LPS", smoothing=0.5).surfaces[0]
-    assert surface.name == "beat_1.5mm_label_1+2_phase_00" and np.abs(surface.vertices - expected.vertices).max() < 1e-4
+    expected = sp.read_label_volume(
+        volume, labels="1,2", voxel_size=3, coordinates="LPS", smoothing=0.5
+    ).surfaces[0]
+    assert (
+        surface.name == "beat_1.5mm_label_1+2_phase_00"
+        and np.abs(surface.vertices - expected.vertices).max() < 1e-4
+    )
 
 
 def test_one_file_per_phase(tmp_path, capsys):
@@ -147,7 +215,10 @@ def test_one_file_per_phase(tmp_path, capsys):
     for given in ([folder], sorted(folder.iterdir())):
         assert run("run", *given, "-o", tmp_path / "out", "--frequency", 2, "--no-pictures") == 0
         assert [path.name for path in sorted((tmp_path / "out/scan/surfaces").iterdir())] == [
-            "t10_label_1.ply", "t11_label_1.ply", "t9_label_1.ply"]
+            "t10_label_1.ply",
+            "t11_label_1.ply",
+            "t9_label_1.ply",
+        ]
     assert "t9.mha to t11.mha" in capsys.readouterr().out
     (folder / "mesh.ply").touch()
     assert [path.name for path in files.input_files(folder)] == ["mesh.ply"]
@@ -159,7 +230,19 @@ def test_phases_without_the_label(tmp_path, capsys):
     (tmp_path / "gap.nii").write_bytes(volume_files.nifti(labels))
     assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--no-pictures") == 1
     assert "phase 1" in capsys.readouterr().err and not (tmp_path / "out").exists()
-    assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--frequency", 2, "--no-pictures", "--skip-incomplete-phases") == 0
+    assert (
+        run(
+            "run",
+            tmp_path / "gap.nii",
+            "-o",
+            tmp_path / "out",
+            "--frequency",
+            2,
+            "--no-pictures",
+            "--skip-incomplete-phases",
+        )
+        == 0
+    )
     assert len(list((tmp_path / "out/gap/surfaces").iterdir())) == 3
 
 
@@ -177,10 +260,16 @@ def test_everything_else_works_without_the_volume_plugin(run_python, tmp_path):
     """As built with --without-volumes."""
     alone = tmp_path / plugin.LIBRARY
     shutil.copy(plugin.find(), alone)
-    found = run_python("import sphere_propagation as sp; print(len(sp.make_phantom(phases=2, voxel_size=4)))\n"
-                       "try: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)", SPHERE_PROPAGATION_PLUGIN=str(alone))
+    found = run_python(
+        "import sphere_propagation as sp; print(len(sp.make_phantom(phases=2, voxel_size=4)))\n"
+        "try: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)",
+        SPHERE_PROPAGATION_PLUGIN=str(alone),
+    )
     assert found.returncode == 0, found.stderr
-    assert found.stdout.startswith("2\nLabel volumes cannot be read here.") and "libfilter_label_volume.so beside" in found.stdout
+    assert (
+        found.stdout.startswith("2\nLabel volumes cannot be read here.")
+        and "libfilter_label_volume.so beside" in found.stdout
+    )
 
 
 def test_a_missing_library_of_itk_is_named(run_python, tmp_path):
@@ -189,7 +278,12 @@ def test_a_missing_library_of_itk_is_named(run_python, tmp_path):
     code = (tmp_path / plugin.VOLUME_LIBRARY).read_bytes()
     assert b"libITKIOMeta-" in code
     (tmp_path / plugin.VOLUME_LIBRARY).write_bytes(code.replace(b"libITKIOMeta-", b"libITKIOBeta-"))
-    found = run_python("import sphere_propagation as sp\ntry: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)",
-                       SPHERE_PROPAGATION_PLUGIN=str(tmp_path / plugin.LIBRARY))
+    found = run_python(
+        "import sphere_propagation as sp\ntry: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)",
+        SPHERE_PROPAGATION_PLUGIN=str(tmp_path / plugin.LIBRARY),
+    )
     assert found.returncode == 0, found.stderr
-    assert "Missing on this system: libITKIOBeta-" in found.stdout and "apt-get install libinsighttoolkit" in found.stdout
+    assert (
+        "Missing on this system: libITKIOBeta-" in found.stdout
+        and "apt-get install libinsighttoolkit" in found.stdout
+    )

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The truth about the phantom in numpy: that of the plugin, and its own inverse."""
+
 import numpy as np
 import pymeshlab
 import pytest
-
 from sphere_propagation import filters, read_label_volume
 from sphere_propagation.nifti import write_nifti
 from sphere_propagation.phantom import TRUSTED, Ventricle
@@ -16,7 +17,9 @@ def test_the_truth_is_the_plugins(part):
     for phase, mesh in enumerate(meshes):
         u, theta, m = mesh.vertex_custom_point_attribute_matrix("material_coordinate").T
         tissue = u < 0.93  # above are the lid and the cut
-        away = np.linalg.norm(truth.position(u, theta, m, phase) - mesh.vertex_matrix(), axis=1)[tissue]
+        away = np.linalg.norm(truth.position(u, theta, m, phase) - mesh.vertex_matrix(), axis=1)[
+            tissue
+        ]
         assert away.mean() < 0.3 and away.max() < 2.1  # a tenth of a voxel and one voxel of 2 mm
 
 
@@ -27,12 +30,20 @@ def test_material_points_are_found_again(part):
     for m in truth.sheets:
         found = truth.material_points(truth.position(u, theta, m, 4), 4)
         assert found.distance.max() < 1e-6
-        assert np.abs(truth.position(found.u, found.theta, found.m, 9) - truth.position(u, theta, m, 9)).max() < 1e-4
+        assert (
+            np.abs(
+                truth.position(found.u, found.theta, found.m, 9) - truth.position(u, theta, m, 9)
+            ).max()
+            < 1e-4
+        )
 
 
 def test_errors_are_zero_for_the_truth_itself():
     truth = Ventricle("Wall", phases=5)
-    points = [truth.position(np.linspace(0.1, 0.9, 50), np.linspace(0, 6, 50), 1.0, phase) for phase in range(5)]
+    points = [
+        truth.position(np.linspace(0.1, 0.9, 50), np.linspace(0, 6, 50), 1.0, phase)
+        for phase in range(5)
+    ]
     assert truth.errors(np.array(points), root=2).max() < 1e-4
     points[3] = points[3] + [0, 0, 0.5]
     assert truth.errors(np.array(points), root=2)[3] == pytest.approx(0.5, abs=1e-4)
@@ -46,11 +57,18 @@ def test_errors_are_zero_for_the_truth_itself():
 def test_labels_are_what_the_surfaces_enclose(seed):
     truth = Ventricle(phases=4, seed=seed)
     labels, affine = truth.scan((1.0, 1.0, 1.0))
-    assert labels.shape[3] == 4 and set(np.unique(labels)) == {0, 1, 2} and not labels[:, :, -1].any() and not labels[:, :, 0].any()
+    assert (
+        labels.shape[3] == 4
+        and set(np.unique(labels)) == {0, 1, 2}
+        and not labels[:, :, -1].any()
+        and not labels[:, :, 0].any()
+    )
     for phase, surface in enumerate(filters.make_phantom(phases=4, voxel_size=1.0, seed=seed)):
         indices = np.argwhere(labels[..., phase] == 1)
         assert len(indices) == pytest.approx(surface.volume, rel=0.03)
-        assert (indices @ affine[:3, :3].T + affine[:3, 3]).mean(0) == pytest.approx(_center(surface), abs=0.5)
+        assert (indices @ affine[:3, :3].T + affine[:3, 3]).mean(0) == pytest.approx(
+            _center(surface), abs=0.5
+        )
     wall = [(labels[..., phase] == 2).sum() for phase in range(4)]
     assert min(wall) > 30000
 
@@ -76,7 +94,9 @@ def test_a_scan_is_read_where_it_was_written(tmp_path):
     for name in ("scan.nii.gz", "scan.nii"):
         write_nifti(tmp_path / name, labels, affine, 0.04)
         found = read_label_volume(tmp_path / name)
-        assert found.figures["label_volume"] == pytest.approx([(labels[..., k] == 1).sum() * 1.5**3 for k in range(2)])
+        assert found.figures["label_volume"] == pytest.approx(
+            [(labels[..., k] == 1).sum() * 1.5**3 for k in range(2)]
+        )
         for phase, surface in enumerate(found.surfaces):
             below = surface.vertices[surface.vertices[:, 2] < 5]  # the lid is no tissue
             assert truth.material_points(below, phase).distance.mean() < 0.5

@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The filter "Import label volume as layers": formats, places in space, parameters, real hearts, bad files."""
+
 import gzip
 import resource
 import time
@@ -6,14 +8,15 @@ import time
 import numpy as np
 import pymeshlab
 import pytest
-from scipy.spatial import cKDTree
-
 import volume_files as files
 from documents import content, failed, snapshot
 from environment import DATA, require
+from scipy.spatial import cKDTree
 
 IMPORT = "create_layers_from_label_volume"
-OBLIQUE = np.array([[1.2, 0.5, 0.1, 12], [-0.5, 1.1, 0.3, -40], [0.02, -0.4, 1.4, 80], [0, 0, 0, 1]])
+OBLIQUE = np.array(
+    [[1.2, 0.5, 0.1, 12], [-0.5, 1.1, 0.3, -40], [0.02, -0.4, 1.4, 80], [0, 0, 0, 1]]
+)
 TO_LPS = np.diag([-1.0, -1, 1, 1])
 
 
@@ -48,16 +51,38 @@ def require_sphere(mesh):
 def test_parameters_and_their_defaults():
     ms = pymeshlab.MeshSet()
     assert ms.filter_parameter_values(IMPORT) == {
-        "file_name": "", "labels": "1", "voxel_size": 0.0, "smoothing": 1.0, "coordinates": 0, "fill_holes": True,
-        "keep_largest_component": True, "cut_handles": True, "file_series": False, "skip_incomplete_phases": False, "longest_gap": 10}
+        "file_name": "",
+        "labels": "1",
+        "voxel_size": 0.0,
+        "smoothing": 1.0,
+        "coordinates": 0,
+        "fill_holes": True,
+        "keep_largest_component": True,
+        "cut_handles": True,
+        "file_series": False,
+        "skip_incomplete_phases": False,
+        "longest_gap": 10,
+    }
 
 
 def test_one_entry_per_layer(tmp_path):
-    _, returned = imported(written(tmp_path, "two.nii", files.nifti(np.stack([files.egg()] * 2, -1))))
+    _, returned = imported(
+        written(tmp_path, "two.nii", files.nifti(np.stack([files.egg()] * 2, -1)))
+    )
     assert returned.pop("layers") == 2
     assert all(len(values) == 2 for values in returned.values())
-    assert set(returned) == {"phase", "label_volume", "volume", "vertices", "interpolated_slices", "dropped_share", "filled_voxels",
-                             "handles", "changed_voxels", "seconds"}
+    assert set(returned) == {
+        "phase",
+        "label_volume",
+        "volume",
+        "vertices",
+        "interpolated_slices",
+        "dropped_share",
+        "filled_voxels",
+        "handles",
+        "changed_voxels",
+        "seconds",
+    }
 
 
 def test_a_second_run_replaces_the_layers(tmp_path):
@@ -98,13 +123,18 @@ def test_another_patients_file_of_the_same_name_gets_layers_of_its_own(tmp_path)
     ms, _ = imported(a)
     held = [content(m) for m in ms]
     ms.apply_filter(IMPORT, file_name=str(b))
-    of_a, of_b = [f"seg label 1 phase {t:02d}" for t in range(3)], [f"seg (b) label 1 phase {t:02d}" for t in range(2)]
+    of_a, of_b = (
+        [f"seg label 1 phase {t:02d}" for t in range(3)],
+        [f"seg (b) label 1 phase {t:02d}" for t in range(2)],
+    )
     assert labels_of(ms) == of_a + of_b
     assert [content(m) for m in ms][:3] == held
     for path in (b, a, b):  # again: each replaces its own
         ms.apply_filter(IMPORT, file_name=str(path), voxel_size=2)
         assert labels_of(ms) == of_a + of_b
-    assert np.allclose(ms.mesh(3).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0), [4, 0, 0], atol=0.3)
+    assert np.allclose(
+        ms.mesh(3).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0), [4, 0, 0], atol=0.3
+    )
 
 
 def test_a_third_folder_of_the_same_name(tmp_path):
@@ -112,7 +142,10 @@ def test_a_third_folder_of_the_same_name(tmp_path):
     ms = pymeshlab.MeshSet()
     for parent in ("x", "y", "z"):
         (tmp_path / parent / "scan").mkdir(parents=True)
-        ms.apply_filter(IMPORT, file_name=str(written(tmp_path / parent / "scan", "seg.nii", files.nifti(files.egg()))))
+        ms.apply_filter(
+            IMPORT,
+            file_name=str(written(tmp_path / parent / "scan", "seg.nii", files.nifti(files.egg()))),
+        )
     assert labels_of(ms) == ["seg label 1", "seg (scan) label 1", "seg (scan 2) label 1"]
 
 
@@ -147,7 +180,9 @@ def test_phases_that_the_file_no_longer_has_are_removed(tmp_path):
     path.write_bytes(phases_of(2))
     ms.apply_filter(IMPORT, file_name=str(path))
     of_other = [f"other label 1 phase {t:02d}" for t in range(4)]
-    assert sorted(labels_of(ms)) == sorted(["seg label 1 phase 00", "seg label 1 phase 01", "kept by hand", *of_other])
+    assert sorted(labels_of(ms)) == sorted(
+        ["seg label 1 phase 00", "seg label 1 phase 01", "kept by hand", *of_other]
+    )
 
 
 def test_other_labels_of_the_file_stay(tmp_path):
@@ -161,7 +196,9 @@ def test_other_labels_of_the_file_stay(tmp_path):
     ms.apply_filter(IMPORT, file_name=str(path), labels="2")
     path.write_bytes(two_labels(2))
     ms.apply_filter(IMPORT, file_name=str(path), labels="2")
-    assert labels_of(ms) == [f"seg label 1 phase {t:02d}" for t in range(3)] + [f"seg label 2 phase {t:02d}" for t in range(2)]
+    assert labels_of(ms) == [f"seg label 1 phase {t:02d}" for t in range(3)] + [
+        f"seg label 2 phase {t:02d}" for t in range(2)
+    ]
 
 
 def test_files_that_a_series_no_longer_has_are_removed(tmp_path):
@@ -230,7 +267,11 @@ def rigid():
 def test_formats_agree(tmp_path, name, phases):
     """The matrices are to LPS; the surface lies in RAS, or in LPS on request."""
     labels, matrix = files.egg(), rigid()
-    array = labels if phases == 1 else np.stack([labels, np.roll(labels, 1, 0), np.roll(labels, 2, 0)], -1)
+    array = (
+        labels
+        if phases == 1
+        else np.stack([labels, np.roll(labels, 1, 0), np.roll(labels, 2, 0)], -1)
+    )
     path = written(tmp_path, name, FORMATS[name](array, matrix))
     ms, returned = imported(path)
     assert returned["layers"] == phases
@@ -242,12 +283,16 @@ def test_formats_agree(tmp_path, name, phases):
         assert returned["volume"][phase] == pytest.approx(volume, rel=0.03)
         assert returned["label_volume"][phase] == pytest.approx(volume, rel=1e-5)
     lps, _ = imported(path, coordinates="LPS")
-    assert np.allclose(lps.mesh(0).vertex_matrix() * [-1, -1, 1], ms.mesh(0).vertex_matrix(), atol=1e-9)
+    assert np.allclose(
+        lps.mesh(0).vertex_matrix() * [-1, -1, 1], ms.mesh(0).vertex_matrix(), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("dtype", ["u1", "i1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"])
 def test_types(tmp_path, dtype):
-    ms, _ = imported(written(tmp_path, "egg.nii", files.nifti(files.egg(dtype=dtype, value=100))), labels="100")
+    ms, _ = imported(
+        written(tmp_path, "egg.nii", files.nifti(files.egg(dtype=dtype, value=100))), labels="100"
+    )
     require_sphere(ms.mesh(0))
 
 
@@ -257,7 +302,9 @@ def test_sheared_and_mirrored_matrices(tmp_path, mirror):
     ms, returned = imported(written(tmp_path, "egg.nii", files.nifti(labels, matrix)))
     require_sphere(ms.mesh(0))
     assert np.linalg.norm(ms.mesh(0).vertex_matrix().mean(0) - centre_of(labels, matrix)) < 1
-    assert returned["volume"][0] == pytest.approx(labels.sum() * abs(np.linalg.det(matrix[:3, :3])), rel=0.03)
+    assert returned["volume"][0] == pytest.approx(
+        labels.sum() * abs(np.linalg.det(matrix[:3, :3])), rel=0.03
+    )
 
 
 @pytest.mark.parametrize("spacing", [(1, 1, 1), (0, 0, 0), (2, 2, 5)])
@@ -265,14 +312,22 @@ def test_the_sform_holds_where_pixdim_disagrees(tmp_path, spacing):
     """Some programs leave pixdim as it was; ITK refuses such files."""
     matrix = rigid()
     as_said, _ = imported(written(tmp_path, "egg.nii", files.nifti(files.egg(), matrix)))
-    ms, returned = imported(written(tmp_path, "egg.nii", files.nifti(files.egg(), matrix, pixdim=spacing)))
-    assert returned["label_volume"][0] == pytest.approx(files.egg().sum() * abs(np.linalg.det(matrix[:3, :3])), rel=1e-5)
+    ms, returned = imported(
+        written(tmp_path, "egg.nii", files.nifti(files.egg(), matrix, pixdim=spacing))
+    )
+    assert returned["label_volume"][0] == pytest.approx(
+        files.egg().sum() * abs(np.linalg.det(matrix[:3, :3])), rel=1e-5
+    )
     assert np.abs(ms.mesh(0).vertex_matrix() - as_said.mesh(0).vertex_matrix()).max() < 1e-4
 
 
 def test_qform(tmp_path):
     half = np.sqrt(0.5)  # a quarter turn round z, z mirrored
-    path = written(tmp_path, "egg.nii", files.nifti(files.egg(), sform=0, qform=(0, 0, half, (5, 6, 7), -1), pixdim=(1, 2, 1.5)))
+    path = written(
+        tmp_path,
+        "egg.nii",
+        files.nifti(files.egg(), sform=0, qform=(0, 0, half, (5, 6, 7), -1), pixdim=(1, 2, 1.5)),
+    )
     matrix = np.array([[0, -2, 0, 5], [1, 0, 0, 6], [0, 0, -1.5, 7], [0, 0, 0, 1.0]])
     ms, _ = imported(path)
     assert np.linalg.norm(ms.mesh(0).vertex_matrix().mean(0) - centre_of(files.egg(), matrix)) < 1
@@ -280,9 +335,13 @@ def test_qform(tmp_path):
 
 def test_a_list_in_nrrd_is_phases(tmp_path):
     array = np.stack([files.egg(), np.roll(files.egg(), 2, 0)])
-    ms, returned = imported(written(tmp_path, "list.nrrd", files.nrrd(array, TO_LPS, kinds=["list"] + ["domain"] * 3)))
+    ms, returned = imported(
+        written(tmp_path, "list.nrrd", files.nrrd(array, TO_LPS, kinds=["list"] + ["domain"] * 3))
+    )
     assert returned["layers"] == 2
-    assert ms.mesh(1).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0) == pytest.approx([2, 0, 0], abs=0.1)
+    assert ms.mesh(1).vertex_matrix().mean(0) - ms.mesh(0).vertex_matrix().mean(0) == pytest.approx(
+        [2, 0, 0], abs=0.1
+    )
 
 
 def test_numbered_series(tmp_path):
@@ -299,17 +358,30 @@ def test_numbered_series(tmp_path):
 def test_scaled_voxels(tmp_path, type_):
     """Stored as halves of the labels, or so, and scaled by the header."""
     plain, _ = imported(written(tmp_path, "plain.nii", files.nifti(2 * files.egg())), labels="2")
-    scaled, _ = imported(written(tmp_path, "scaled.nii", files.nifti(files.egg().astype(type_), slope=2.0)), labels="2")
+    scaled, _ = imported(
+        written(tmp_path, "scaled.nii", files.nifti(files.egg().astype(type_), slope=2.0)),
+        labels="2",
+    )
     assert np.array_equal(scaled.mesh(0).vertex_matrix(), plain.mesh(0).vertex_matrix())
 
 
 def test_a_series_of_compressed_and_plain_files(tmp_path):
     for number in (1, 2, 3):
         content = files.nifti(np.roll(files.egg(), number // 2, 0))
-        written(tmp_path, f"t{number}.nii" + ".gz" * (number == 2), gzip.compress(content) if number == 2 else content)
+        written(
+            tmp_path,
+            f"t{number}.nii" + ".gz" * (number == 2),
+            gzip.compress(content) if number == 2 else content,
+        )
     for name in ("t1.nii", "t2.nii.gz"):
-        assert [m.label() for m in imported(tmp_path / name, file_series=True)[0]] == ["t1 label 1", "t2 label 1", "t3 label 1"]
-    written(tmp_path, "t2.nii", files.nifti(np.roll(files.egg(), 5, 1)))  # another form of one of them: as the file that was named
+        assert [m.label() for m in imported(tmp_path / name, file_series=True)[0]] == [
+            "t1 label 1",
+            "t2 label 1",
+            "t3 label 1",
+        ]
+    written(
+        tmp_path, "t2.nii", files.nifti(np.roll(files.egg(), 5, 1))
+    )  # another form of one of them: as the file that was named
     projects = [imported(tmp_path / name, file_series=True)[0] for name in ("t1.nii", "t2.nii.gz")]
     plain, packed = (ms.mesh(1).vertex_matrix() for ms in projects)
     assert abs(plain.mean(0) - packed.mean(0))[1] > 1
@@ -336,17 +408,47 @@ def refused(path, *words, **parameters):
 NAN = np.array([[np.nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 BAD = {
     "truncated.nii": (lambda: files.nifti(files.egg())[:-100], "truncated"),
-    "truncated.nii.gz": (lambda: gzip.compress(files.nifti(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1")))[:-2000], "truncated"),
+    "truncated.nii.gz": (
+        lambda: gzip.compress(
+            files.nifti(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"))
+        )[:-2000],
+        "truncated",
+    ),
     "truncated.mha": (lambda: files.meta(files.egg())[:-100], "truncated"),
-    "truncated compressed.mha": (lambda: files.meta(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), compressed=True)[:-2000], "truncated"),
-    "truncated compressed.nrrd": (lambda: files.nrrd(np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), encoding="gzip")[:-2000], "ITK"),
-    "time.nrrd": (lambda: files.nrrd(np.zeros((4, 4, 4, 2), "u1"), kinds=["domain"] * 3 + ["time"]), "list"),
+    "truncated compressed.mha": (
+        lambda: files.meta(
+            np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), compressed=True
+        )[:-2000],
+        "truncated",
+    ),
+    "truncated compressed.nrrd": (
+        lambda: files.nrrd(
+            np.random.default_rng(0).integers(0, 2, (30, 30, 30), "u1"), encoding="gzip"
+        )[:-2000],
+        "ITK",
+    ),
+    "time.nrrd": (
+        lambda: files.nrrd(np.zeros((4, 4, 4, 2), "u1"), kinds=["domain"] * 3 + ["time"]),
+        "list",
+    ),
     "truncated.nrrd": (lambda: files.nrrd(files.egg())[:-100], "truncated"),
     "only a header.nii": (lambda: files.nifti(files.egg())[:200], "ends within its header"),
-    "huge.nii": (lambda: files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400)), "header claims"),
-    "huge.nii.gz": (lambda: gzip.compress(files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400))), "header claims"),
-    "huge.mha": (lambda: files.meta(files.egg((8, 8, 8)), compressed=True, size=(1500, 1500, 1400)), "header claims"),
-    "huge.nrrd": (lambda: files.nrrd(files.egg((8, 8, 8)), encoding="gzip", size=(1500, 1500, 1400)), "header claims"),
+    "huge.nii": (
+        lambda: files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400)),
+        "header claims",
+    ),
+    "huge.nii.gz": (
+        lambda: gzip.compress(files.nifti(files.egg((8, 8, 8)), size=(1500, 1500, 1400))),
+        "header claims",
+    ),
+    "huge.mha": (
+        lambda: files.meta(files.egg((8, 8, 8)), compressed=True, size=(1500, 1500, 1400)),
+        "header claims",
+    ),
+    "huge.nrrd": (
+        lambda: files.nrrd(files.egg((8, 8, 8)), encoding="gzip", size=(1500, 1500, 1400)),
+        "header claims",
+    ),
     "beyond.nrrd": (lambda: files.nrrd(files.egg((8, 8, 8)), size=(30000, 30000, 30000)), "4 GB"),
     "no slices.nii": (lambda: files.nifti(files.egg(), size=(20, 18, 0)), "20 x 18 x 0"),
     "no slices.mha": (lambda: files.meta(files.egg(), size=(20, 18, 0)), "20 x 18 x 0"),
@@ -356,11 +458,27 @@ BAD = {
     "flat.nii": (lambda: files.nifti(np.ones((8, 8), "u1")), "2 dimensions"),
     "nan.nii": (lambda: files.nifti(files.egg(), NAN, pixdim=(1, 1, 1)), "NaN"),
     "flat matrix.nii": (lambda: files.nifti(files.egg(), np.diag([1.0, 1, 0, 1])), "into a plane"),
-    "image.nii": (lambda: files.nifti(files.egg(dtype="f4") * np.float32(0.37)), "first voxel", "whole numbers"),
+    "image.nii": (
+        lambda: files.nifti(files.egg(dtype="f4") * np.float32(0.37)),
+        "first voxel",
+        "whole numbers",
+    ),
     "nan voxels.nrrd": (lambda: files.nrrd(np.full((5, 5, 5), np.nan, "f4")), "whole numbers"),
-    "nan in scaled voxels.nii": (lambda: files.nifti(np.where(files.egg() > 0, np.nan, 0).astype("f4"), slope=2.0), "whole numbers", "nan"),
-    "nan voxels.nii": (lambda: files.nifti(np.full((5, 5, 5), np.nan, "f4")), "whole numbers", "nan"),
-    "infinite.nii.gz": (lambda: gzip.compress(files.nifti(np.full((5, 5, 5), np.inf, "f8"))), "whole numbers", "inf"),
+    "nan in scaled voxels.nii": (
+        lambda: files.nifti(np.where(files.egg() > 0, np.nan, 0).astype("f4"), slope=2.0),
+        "whole numbers",
+        "nan",
+    ),
+    "nan voxels.nii": (
+        lambda: files.nifti(np.full((5, 5, 5), np.nan, "f4")),
+        "whole numbers",
+        "nan",
+    ),
+    "infinite.nii.gz": (
+        lambda: gzip.compress(files.nifti(np.full((5, 5, 5), np.inf, "f8"))),
+        "whole numbers",
+        "inf",
+    ),
     "too large.nii": (lambda: files.nifti(np.full((5, 5, 5), 2**40, "i8")), "32 bits"),
     "nothing.nii": (lambda: files.nifti(np.zeros((5, 5, 5), "u1")), "all voxels are 0"),
     "other labels.nii": (lambda: files.nifti(files.egg(value=7)), "occur are 7"),
@@ -369,7 +487,10 @@ BAD = {
     "text.nrrd": (lambda: b"not a volume " * 100, "header is broken"),
     "empty.nii.gz": (lambda: b"", "ends within its header"),
     "volume.dcm": (lambda: b"DICM", "formats that are read"),
-    "spread.mhd": (lambda: files.meta(files.egg(), local="slice%03d.raw 1 16 1"), "spread over several files"),
+    "spread.mhd": (
+        lambda: files.meta(files.egg(), local="slice%03d.raw 1 16 1"),
+        "spread over several files",
+    ),
     "lost.mhd": (lambda: files.meta(files.egg(), local="lost.raw"), "lost.raw"),
 }
 
@@ -396,10 +517,21 @@ def test_no_file(tmp_path):
     refused(tmp_path, "no file")
 
 
-@pytest.mark.parametrize("parameters, word", [
-    ({"labels": "one"}, "whole numbers"), ({"labels": ""}, "empty"), ({"labels": "0"}, "background"), ({"labels": "1,9"}, "label 9"),
-    ({"voxel_size": -1}, "voxel_size"), ({"voxel_size": 0.001}, "larger voxel_size"), ({"voxel_size": 100}, "smaller voxel_size"),
-    ({"voxel_size": 1e12}, "box of 16 x 13 x 12 mm"), ({"smoothing": 9}, "smoothing"), ({"longest_gap": -1}, "gap")])
+@pytest.mark.parametrize(
+    "parameters, word",
+    [
+        ({"labels": "one"}, "whole numbers"),
+        ({"labels": ""}, "empty"),
+        ({"labels": "0"}, "background"),
+        ({"labels": "1,9"}, "label 9"),
+        ({"voxel_size": -1}, "voxel_size"),
+        ({"voxel_size": 0.001}, "larger voxel_size"),
+        ({"voxel_size": 100}, "smaller voxel_size"),
+        ({"voxel_size": 1e12}, "box of 16 x 13 x 12 mm"),
+        ({"smoothing": 9}, "smoothing"),
+        ({"longest_gap": -1}, "gap"),
+    ],
+)
 def test_bad_parameters(tmp_path, parameters, word):
     refused(written(tmp_path, "egg.nii", files.nifti(files.egg())), word, **parameters)
 
@@ -442,7 +574,9 @@ def test_cine_with_thick_slices():
     print(f"{time.process_time() - start:.2f} s")
     assert len(list(ms)) == returned["layers"] == 30
     volume = volumes(ms)
-    assert volume[0] == pytest.approx(212, rel=0.03) and volume.min() == pytest.approx(113, rel=0.05)
+    assert volume[0] == pytest.approx(212, rel=0.03) and volume.min() == pytest.approx(
+        113, rel=0.05
+    )
     assert volume == pytest.approx(returned["volume"] / 1000, rel=1e-6)
     for phase, mesh in enumerate(ms):
         other = pymeshlab.MeshSet()
@@ -471,7 +605,12 @@ def test_a_wall_in_thick_slices_is_that_of_thin_ones(tmp_path):
     labels, matrix = files.read_nifti(require(DATA / "heart_truth/labels_4d_1.5mm.nii.gz"))
     first = np.ascontiguousarray(labels[..., 0])
     fine, _ = imported(written(tmp_path, "fine.nii", files.nifti(first, matrix)), labels="2")
-    thick, returned = imported(written(tmp_path, "thick.nii", files.nifti(first[:, :, ::7], matrix @ np.diag([1, 1, 7, 1]))), labels="2")
+    thick, returned = imported(
+        written(
+            tmp_path, "thick.nii", files.nifti(first[:, :, ::7], matrix @ np.diag([1, 1, 7, 1]))
+        ),
+        labels="2",
+    )
     require_sphere(thick.mesh(0))
     a, b = fine.mesh(0).vertex_matrix(), thick.mesh(0).vertex_matrix()
     assert cKDTree(a).query(b)[0].mean() < 0.7 and cKDTree(b).query(a)[0].mean() < 0.7  # mm

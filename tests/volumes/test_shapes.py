@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Labels that no segmentation should have, and some have: every one comes out as a sphere, where it lies."""
+
 import numpy as np
 import pytest
-
 import volume_files as files
 from test_import import imported, require_sphere, written
 
@@ -19,7 +20,9 @@ def tube(curve, radius, n=48):
 
 def trefoil():
     t = np.linspace(0, 2 * np.pi, 160)
-    return 0.26 * np.stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], -1)
+    return 0.26 * np.stack(
+        [np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], -1
+    )
 
 
 def ball(radius=0.7, n=40):
@@ -58,10 +61,16 @@ def frame():
 
 
 SHAPES = {
-    "torus": lambda: tube(0.6 * np.stack([np.cos(t := np.linspace(0, 6.3, 90)), np.sin(t), 0 * t], -1), 0.22),
+    "torus": lambda: tube(
+        0.6 * np.stack([np.cos(t := np.linspace(0, 6.3, 90)), np.sin(t), 0 * t], -1), 0.22
+    ),
     "trefoil": lambda: tube(trefoil(), 0.13),
-    "two linked rings": lambda: (tube(0.5 * np.stack([np.cos(t := np.linspace(0, 6.3, 90)) - 0.5, np.sin(t), 0 * t], -1), 0.14)
-                                 | tube(0.5 * np.stack([np.cos(t) + 0.5, 0 * t, np.sin(t)], -1), 0.14)),
+    "two linked rings": lambda: (
+        tube(
+            0.5 * np.stack([np.cos(t := np.linspace(0, 6.3, 90)) - 0.5, np.sin(t), 0 * t], -1), 0.14
+        )
+        | tube(0.5 * np.stack([np.cos(t) + 0.5, 0 * t, np.sin(t)], -1), 0.14)
+    ),
     "tunnels": tunnels,
     "handles and a cavity": handles_and_a_cavity,
     "a shell": lambda: ball(0.8) & ~ball(0.6),
@@ -78,7 +87,9 @@ SHAPES = {
 }
 GRIDS = {
     "cubes": np.eye(4),
-    "thick slices, oblique, mirrored": np.array([[0.0, 1.1, 3, 12], [1.2, 0, 0.4, -40], [0.1, -0.5, 5, 80], [0, 0, 0, 1]]),
+    "thick slices, oblique, mirrored": np.array(
+        [[0.0, 1.1, 3, 12], [1.2, 0, 0.4, -40], [0.1, -0.5, 5, 80], [0, 0, 0, 1]]
+    ),
 }
 
 
@@ -88,14 +99,32 @@ def test_every_label_comes_out_as_a_sphere(tmp_path, name, grid):
     labels, matrix = SHAPES[name]().astype("u1"), GRIDS[grid]
     ms, returned = imported(written(tmp_path, "shape.nii", files.nifti(labels, matrix)))
     require_sphere(ms.mesh(0))
-    corners = np.array([matrix[:3, :3] @ (np.array(labels.shape) * c - 0.5) + matrix[:3, 3] for c in np.ndindex(2, 2, 2)])
+    corners = np.array(
+        [
+            matrix[:3, :3] @ (np.array(labels.shape) * c - 0.5) + matrix[:3, 3]
+            for c in np.ndindex(2, 2, 2)
+        ]
+    )
     found = ms.mesh(0).vertex_matrix()
     assert (found > corners.min(0) - 1).all() and (found < corners.max(0) + 1).all()
-    assert returned["label_volume"][0] == pytest.approx(labels.sum() * abs(np.linalg.det(matrix)), rel=1e-5)
+    assert returned["label_volume"][0] == pytest.approx(
+        labels.sum() * abs(np.linalg.det(matrix)), rel=1e-5
+    )
 
 
-@pytest.mark.parametrize("name, handles", [
-    ("torus", 1), ("trefoil", 1), ("two linked rings", 1), ("tunnels", 5), ("frame", 5), ("a shell", 0), ("diagonals", 0), ("at the border", 0)])
+@pytest.mark.parametrize(
+    "name, handles",
+    [
+        ("torus", 1),
+        ("trefoil", 1),
+        ("two linked rings", 1),
+        ("tunnels", 5),
+        ("frame", 5),
+        ("a shell", 0),
+        ("diagonals", 0),
+        ("at the border", 0),
+    ],
+)
 def test_handles_are_counted(tmp_path, name, handles):
     """Of the largest part; three tunnels that meet are as many as their six mouths but one."""
     _, returned = imported(written(tmp_path, "shape.nii", files.nifti(SHAPES[name]().astype("u1"))))

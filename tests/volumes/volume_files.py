@@ -1,13 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """Writes label volumes in the formats that are read, and reads NIfTI, by their specifications, without a library."""
+
 import gzip
 import struct
 import zlib
 
 import numpy as np
 
-NIFTI_TYPES = {"u1": 2, "i2": 4, "i4": 8, "f4": 16, "f8": 64, "i1": 256, "u2": 512, "u4": 768, "i8": 1024, "u8": 1280}
-META_TYPES = {"u1": "MET_UCHAR", "i2": "MET_SHORT", "u2": "MET_USHORT", "i4": "MET_INT", "f4": "MET_FLOAT", "f8": "MET_DOUBLE", "i1": "MET_CHAR"}
-NRRD_TYPES = {"u1": "uint8", "i2": "int16", "u2": "uint16", "i4": "int32", "f4": "float", "f8": "double", "i1": "int8"}
+NIFTI_TYPES = {
+    "u1": 2,
+    "i2": 4,
+    "i4": 8,
+    "f4": 16,
+    "f8": 64,
+    "i1": 256,
+    "u2": 512,
+    "u4": 768,
+    "i8": 1024,
+    "u8": 1280,
+}
+META_TYPES = {
+    "u1": "MET_UCHAR",
+    "i2": "MET_SHORT",
+    "u2": "MET_USHORT",
+    "i4": "MET_INT",
+    "f4": "MET_FLOAT",
+    "f8": "MET_DOUBLE",
+    "i1": "MET_CHAR",
+}
+NRRD_TYPES = {
+    "u1": "uint8",
+    "i2": "int16",
+    "u2": "uint16",
+    "i4": "int32",
+    "f4": "float",
+    "f8": "double",
+    "i1": "int8",
+}
 
 
 def code(array):
@@ -18,7 +47,9 @@ def data(array):
     return np.asarray(array).tobytes(order="F")
 
 
-def nifti(array, matrix=np.eye(4), size=None, sform=1, qform=None, pixdim=None, slope=0.0, big=False):
+def nifti(
+    array, matrix=np.eye(4), size=None, sform=1, qform=None, pixdim=None, slope=0.0, big=False
+):
     """The bytes of a NIfTI-1 file. qform: (b, c, d, offset, qfac); size: what the header claims instead of the truth."""
     order = ">" if big else "<"
     size = list(array.shape if size is None else size)
@@ -42,12 +73,17 @@ def nifti(array, matrix=np.eye(4), size=None, sform=1, qform=None, pixdim=None, 
 def read_nifti(path):
     """The voxels of a little-endian .nii.gz, and its sform."""
     content = gzip.decompress(path.read_bytes())
-    size, (kind,), (begin,) = (struct.unpack_from(*at) for at in (("<8h", content, 40), ("<h", content, 70), ("<f", content, 108)))
+    size, (kind,), (begin,) = (
+        struct.unpack_from(*at)
+        for at in (("<8h", content, 40), ("<h", content, 70), ("<f", content, 108))
+    )
     dtype = {number: name for name, number in NIFTI_TYPES.items()}[kind]
     shape = size[1 : 1 + size[0]]
     matrix = np.eye(4)
     matrix[:3] = np.reshape(struct.unpack_from("<12f", content, 280), (3, 4))
-    return np.frombuffer(content, "<" + dtype, offset=int(begin), count=int(np.prod(shape))).reshape(shape, order="F"), matrix
+    return np.frombuffer(
+        content, "<" + dtype, offset=int(begin), count=int(np.prod(shape))
+    ).reshape(shape, order="F"), matrix
 
 
 def meta(array, matrix=np.eye(4), compressed=False, local="LOCAL", size=None):
@@ -57,11 +93,13 @@ def meta(array, matrix=np.eye(4), compressed=False, local="LOCAL", size=None):
     direction, offset = np.eye(n), np.zeros(n)
     direction[:3, :3], offset[:3] = (matrix[:3, :3] / spacing).T, matrix[:3, 3]
     voxels = zlib.compress(data(array)) if compressed else data(array)
-    text = (f"ObjectType = Image\nNDims = {n}\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = {compressed}\n"
-            f"CompressedDataSize = {len(voxels)}\n"
-            f"TransformMatrix = {' '.join(map(repr, direction.ravel().tolist()))}\nOffset = {' '.join(map(repr, offset.tolist()))}\n"
-            f"ElementSpacing = {' '.join(map(repr, spacing.tolist() + [1.0] * (n - 3)))}\nDimSize = {' '.join(map(str, size))}\n"
-            f"ElementType = {META_TYPES[code(array)]}\nElementDataFile = {local}\n").encode()
+    text = (
+        f"ObjectType = Image\nNDims = {n}\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = {compressed}\n"
+        f"CompressedDataSize = {len(voxels)}\n"
+        f"TransformMatrix = {' '.join(map(repr, direction.ravel().tolist()))}\nOffset = {' '.join(map(repr, offset.tolist()))}\n"
+        f"ElementSpacing = {' '.join(map(repr, spacing.tolist() + [1.0] * (n - 3)))}\nDimSize = {' '.join(map(str, size))}\n"
+        f"ElementType = {META_TYPES[code(array)]}\nElementDataFile = {local}\n"
+    ).encode()
     return text + (voxels if local == "LOCAL" else b"")
 
 
@@ -71,14 +109,19 @@ def nrrd(array, matrix=np.eye(4), encoding="raw", size=None, kinds=None):
     kinds = kinds or ["domain"] * 3 + ["list"] * (len(size) - 3)
     vectors = iter(f"({','.join(map(repr, column.tolist()))})" for column in matrix[:3, :3].T)
     directions = " ".join(next(vectors) if kind == "domain" else "none" for kind in kinds)
-    text = (f"NRRD0004\ntype: {NRRD_TYPES[code(array)]}\ndimension: {len(size)}\nspace: left-posterior-superior\nsizes: {' '.join(map(str, size))}\n"
-            f"space directions: {directions}\nkinds: {' '.join(kinds)}\nendian: little\nencoding: {encoding}\n"
-            f"space origin: ({','.join(map(repr, matrix[:3, 3].tolist()))})\n\n").encode()
+    text = (
+        f"NRRD0004\ntype: {NRRD_TYPES[code(array)]}\ndimension: {len(size)}\nspace: left-posterior-superior\nsizes: {' '.join(map(str, size))}\n"
+        f"space directions: {directions}\nkinds: {' '.join(kinds)}\nendian: little\nencoding: {encoding}\n"
+        f"space origin: ({','.join(map(repr, matrix[:3, 3].tolist()))})\n\n"
+    ).encode()
     return text + (gzip.compress(data(array)) if encoding == "gzip" else data(array))
 
 
 def egg(size=(20, 18, 16), dtype="u1", value=1):
     """Labels of an egg that fills its grid nearly, and is not like its mirror images."""
-    x = np.stack(np.meshgrid(*[(np.arange(n) - (n - 1) / 2) / (n / 2 - 1.5) for n in size], indexing="ij"), -1)
+    x = np.stack(
+        np.meshgrid(*[(np.arange(n) - (n - 1) / 2) / (n / 2 - 1.5) for n in size], indexing="ij"),
+        -1,
+    )
     inside = (x**2).sum(-1) * (1 + 0.25 * x[..., 0] + 0.15 * x[..., 1] - 0.2 * x[..., 2]) < 0.8
     return (value * inside).astype(dtype)

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """A fresh virtual environment with the wheel that scripts/test built, from the wheelhouse alone.
 
-    SPHERE_PROPAGATION_WHEEL        the wheel (scripts/wheel makes it)
-    SPHERE_PROPAGATION_WHEELHOUSE   folder with the wheels of PyMeshLab and numpy
+SPHERE_PROPAGATION_WHEEL        the wheel (scripts/wheel makes it)
+SPHERE_PROPAGATION_WHEELHOUSE   folder with the wheels of PyMeshLab and numpy
 """
+
 import os
 import subprocess
 import sys
@@ -10,7 +12,10 @@ from pathlib import Path
 
 import pytest
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "scripts"), str(Path(__file__).resolve().parents[1] / "volumes")]
+sys.path[:0] = [
+    str(Path(__file__).resolve().parents[2] / "scripts"),
+    str(Path(__file__).resolve().parents[1] / "volumes"),
+]
 
 
 @pytest.fixture(scope="session")
@@ -30,9 +35,19 @@ class Environment:
 
     def run(self, program, *arguments, code=0):
         """Runs a program of the environment there; its standard output, or, where it is to fail, what it says of errors."""
-        clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "SPHERE_PROPAGATION"))}
-        ended = subprocess.run([str(self.bin / program), *map(str, arguments)], cwd=self.folder, env=clean, capture_output=True,
-                               text=True, timeout=300)
+        clean = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("PYTHON", "SPHERE_PROPAGATION"))
+        }
+        ended = subprocess.run(
+            [str(self.bin / program), *map(str, arguments)],
+            cwd=self.folder,
+            env=clean,
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
         assert ended.returncode == code, ended.stdout + ended.stderr
         return ended.stderr if code else ended.stdout
 
@@ -41,6 +56,17 @@ class Environment:
 def environment(wheel, tmp_path_factory):
     made = Environment(tmp_path_factory.mktemp("wheel"))
     subprocess.run([sys.executable, "-m", "venv", str(made.bin.parent)], check=True)
-    made.run("python", "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-index", "--no-compile",
-             "--find-links", os.environ["SPHERE_PROPAGATION_WHEELHOUSE"], wheel)
+    made.run(
+        "python",
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        "--disable-pip-version-check",
+        "--no-index",
+        "--no-compile",
+        "--find-links",
+        os.environ["SPHERE_PROPAGATION_WHEELHOUSE"],
+        wheel,
+    )
     return made

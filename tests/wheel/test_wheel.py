@@ -1,16 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-only
 """The wheel: what is in it and where it may be installed; and in a fresh environment the import, the main job, the command."""
+
 import re
 import shutil
 import zipfile
 from pathlib import Path
 
-import pytest
-
 import check_wheel
+import pytest
 import volume_files
 
 PROJECT = Path(__file__).resolve().parents[2]
-VERSION = re.search(r"VERSION ([0-9.]+)", re.search(r"project\(.*", (PROJECT / "CMakeLists.txt").read_text())[0])[1]
+VERSION = re.search(
+    r"VERSION ([0-9.]+)", re.search(r"project\(.*", (PROJECT / "CMakeLists.txt").read_text())[0]
+)[1]
 
 
 def test_contents_tag_and_symbols(wheel):
@@ -28,7 +31,9 @@ def test_libraries_that_are_missing_are_found(wheel, tmp_path):
     """Also those that a library inside needs, and the copyright."""
     bad = tmp_path / wheel.name
     with zipfile.ZipFile(wheel) as good, zipfile.ZipFile(bad, "w") as file:
-        lost = next(name for name in good.namelist() if name.startswith(check_wheel.BUNDLE + "libitkvnl-"))
+        lost = next(
+            name for name in good.namelist() if name.startswith(check_wheel.BUNDLE + "libitkvnl-")
+        )
         for name in good.namelist():
             if name != lost and "COPYRIGHT" not in name:
                 file.writestr(name, good.read(name))
@@ -42,8 +47,9 @@ def test_symbols_that_are_too_new_are_found(plugin):
     found = check_wheel.library_complaints(plugin, newest=old)
     assert any(re.search(r"GLIBC_2\.\d+, newer than 2\.3$", text) for text in found)
     assert any(re.search(r"GLIBCXX_3\.4\.\d+, newer than 3\.4\.9$", text) for text in found)
-    assert check_wheel.library_complaints(plugin, libraries=check_wheel.LIBRARIES - {"libQt5Core.so.5"}) == [
-        "needs libQt5Core.so.5, which neither PyMeshLab nor the system has"]
+    assert check_wheel.library_complaints(
+        plugin, libraries=check_wheel.LIBRARIES - {"libQt5Core.so.5"}
+    ) == ["needs libQt5Core.so.5, which neither PyMeshLab nor the system has"]
 
 
 def test_a_wheel_that_lacks_things_is_found(wheel, tmp_path):
@@ -51,7 +57,10 @@ def test_a_wheel_that_lacks_things_is_found(wheel, tmp_path):
     with zipfile.ZipFile(wheel) as good, zipfile.ZipFile(bad, "w") as file:
         for name in good.namelist():
             if not name.endswith("py.typed"):
-                file.writestr(name, good.read(name).replace(check_wheel.TAG.encode(), b"py3-none-linux_x86_64"))
+                file.writestr(
+                    name,
+                    good.read(name).replace(check_wheel.TAG.encode(), b"py3-none-linux_x86_64"),
+                )
         file.writestr("tests/test_x.py", "")
     assert len(check_wheel.wheel_complaints(bad)) == 4  # name, metadata, py.typed, tests
 
@@ -63,11 +72,18 @@ def test_metadata_suits_pip(environment):
 
 
 def test_the_plugin_comes_with_the_package(environment):
-    said = environment.run("python", "-c", "import pymeshlab, sphere_propagation as sp; from sphere_propagation import plugin; "
-                           "m = pymeshlab.MeshSet(); m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); "
-                           "m.apply_filter('compute_spherical_parameterisation_root'); print(plugin.loaded(), sp.__version__)")
+    said = environment.run(
+        "python",
+        "-c",
+        "import pymeshlab, sphere_propagation as sp; from sphere_propagation import plugin; "
+        "m = pymeshlab.MeshSet(); m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); "
+        "m.apply_filter('compute_spherical_parameterisation_root'); print(plugin.loaded(), sp.__version__)",
+    )
     path, version = said.split()
-    assert Path(path).parent.name == "sphere_propagation" and environment.bin.parent in Path(path).parents
+    assert (
+        Path(path).parent.name == "sphere_propagation"
+        and environment.bin.parent in Path(path).parents
+    )
     assert version == VERSION
 
 
@@ -104,13 +120,37 @@ assert len(used) > 10 and all("/sphere_propagation/" in path for path in used), 
 
 def test_the_command(environment):
     """Without Matplotlib and PyVista: everything but the pictures."""
-    said = environment.run("sphere-propagation", "demo", "out", "--phases", 3, "--voxel-size", 4, "--frequency", 3)
-    assert "matplotlib and pyvista not installed" in said and (environment.folder / "out/wall/wall.mlp").is_file()
-    said = environment.run("sphere-propagation", "run", "out/cavity/surfaces", "-o", "mine", "--name", "heart", "--frequency", 3)
-    assert re.search(r"heart +Robust +3 +0 ", said) and (environment.folder / "mine/heart/heart.mlp").is_file()
-    assert environment.run("sphere-propagation", "run", "nowhere", "-o", "x", code=1) == "error: There is no file or folder nowhere.\n"
+    said = environment.run(
+        "sphere-propagation", "demo", "out", "--phases", 3, "--voxel-size", 4, "--frequency", 3
+    )
+    assert (
+        "matplotlib and pyvista not installed" in said
+        and (environment.folder / "out/wall/wall.mlp").is_file()
+    )
+    said = environment.run(
+        "sphere-propagation",
+        "run",
+        "out/cavity/surfaces",
+        "-o",
+        "mine",
+        "--name",
+        "heart",
+        "--frequency",
+        3,
+    )
+    assert (
+        re.search(r"heart +Robust +3 +0 ", said)
+        and (environment.folder / "mine/heart/heart.mlp").is_file()
+    )
+    assert (
+        environment.run("sphere-propagation", "run", "nowhere", "-o", "x", code=1)
+        == "error: There is no file or folder nowhere.\n"
+    )
     assert environment.run("sphere-propagation", "--version") == f"sphere-propagation {VERSION}\n"
-    assert environment.run("python", "-m", "sphere_propagation", "--version") == f"sphere-propagation {VERSION}\n"
+    assert (
+        environment.run("python", "-m", "sphere_propagation", "--version")
+        == f"sphere-propagation {VERSION}\n"
+    )
     assert VERSION in environment.run("sphere-propagation", "info")
 
 
@@ -121,4 +161,7 @@ def test_a_package_without_its_plugin_says_so(environment):
         said = environment.run("sphere-propagation", "info", code=1)
     finally:
         shutil.move(environment.folder / "elsewhere.so", library)
-    assert said.startswith("error: The plugin libfilter_sphere_propagation.so is not in the package.") and "Traceback" not in said
+    assert (
+        said.startswith("error: The plugin libfilter_sphere_propagation.so is not in the package.")
+        and "Traceback" not in said
+    )

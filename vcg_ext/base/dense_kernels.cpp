@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/base/dense_kernels.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstring>
 
-// One version per instruction set, chosen when the library is loaded; elsewhere whatever the compiler targets.
+// One version per instruction set, chosen when the library is loaded; elsewhere whatever the
+// compiler targets.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
@@ -14,18 +16,21 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int lane = 64;        // bytes of a row that are worked on at once
-constexpr int tile = 6;         // rows of the result that are worked on at once: what fits into sixteen registers
+constexpr int lane = 64;  // bytes of a row that are worked on at once
+constexpr int tile =
+    6;  // rows of the result that are worked on at once: what fits into sixteen registers
 constexpr int rowsAtOnce = 64;  // of the factors: what stays in the cache
 
 using FloatLane __attribute__((vector_size(lane))) = float;
 using DoubleLane __attribute__((vector_size(lane))) = double;
 
-/// The lower triangle of matrix += sum over k of x_k y_k^T, and right of it what shares a tile or a lane. x, y: `count`
-/// rows; all rows are `stride` numbers apart, which fill whole lanes; size: of the matrix, a multiple of `tile`.
+/// The lower triangle of matrix += sum over k of x_k y_k^T, and right of it what shares a tile or a
+/// lane. x, y: `count` rows; all rows are `stride` numbers apart, which fill whole lanes; size: of
+/// the matrix, a multiple of `tile`.
 template <class Lane, class Number>
-inline __attribute__((always_inline)) void addProducts(const Number* x, const Number* y, int count, int size,
-                                                       Eigen::Index stride, Number* matrix) {
+inline __attribute__((always_inline)) void addProducts(const Number* x, const Number* y, int count,
+                                                       int size, Eigen::Index stride,
+                                                       Number* matrix) {
   constexpr int width = lane / sizeof(Number);
   for (int begin = 0; begin < count; begin += rowsAtOnce) {
     const int end = std::min(count, begin + rowsAtOnce);
@@ -44,17 +49,19 @@ inline __attribute__((always_inline)) void addProducts(const Number* x, const Nu
   }
 }
 
-FOR_EACH_PROCESSOR void addProducts(const float* x, const float* y, int count, int size, Eigen::Index stride,
-                                    float* matrix) {
+FOR_EACH_PROCESSOR void addProducts(const float* x, const float* y, int count, int size,
+                                    Eigen::Index stride, float* matrix) {
   addProducts<FloatLane>(x, y, count, size, stride, matrix);
 }
 
-FOR_EACH_PROCESSOR void addProducts(const double* x, const double* y, int count, int size, Eigen::Index stride,
-                                    double* matrix) {
+FOR_EACH_PROCESSOR void addProducts(const double* x, const double* y, int count, int size,
+                                    Eigen::Index stride, double* matrix) {
   addProducts<DoubleLane>(x, y, count, size, stride, matrix);
 }
 
-constexpr Eigen::Index roundedUp(Eigen::Index count, Eigen::Index to) { return (count + to - 1) / to * to; }
+constexpr Eigen::Index roundedUp(Eigen::Index count, Eigen::Index to) {
+  return (count + to - 1) / to * to;
+}
 
 }  // namespace
 
@@ -63,12 +70,13 @@ Eigen::MatrixXf sumOfOuterProducts(const RowsF& rows) {
                      stride = roundedUp(size, lane / Eigen::Index{sizeof(float)});
   RowsF padded = RowsF::Zero(rows.rows(), stride), sum = RowsF::Zero(size, stride);
   padded.leftCols(columns) = rows;
-  addProducts(padded.data(), padded.data(), static_cast<int>(rows.rows()), static_cast<int>(size), stride, sum.data());
+  addProducts(padded.data(), padded.data(), static_cast<int>(rows.rows()), static_cast<int>(size),
+              stride, sum.data());
   return Eigen::MatrixXf(sum.topLeftCorner(columns, columns)).selfadjointView<Eigen::Lower>();
 }
 
-// Gauss-Jordan elimination of a few rows and columns at once, which keeps the matrix symmetric and ends in minus the
-// inverse. Without a search for pivots: a positive definite matrix needs none.
+// Gauss-Jordan elimination of a few rows and columns at once, which keeps the matrix symmetric and
+// ends in minus the inverse. Without a search for pivots: a positive definite matrix needs none.
 Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& positiveDefinite) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   constexpr Eigen::Index block = 2 * tile;

@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The two products of dense matrices that fits of motion spend their time in, as fast as the processor can.
+/// The two products of dense matrices that fits of motion spend their time in, as fast as the
+/// processor can.
 ///
-/// Instructions are chosen at run time. Every entry is summed up in the same order, and no multiplication is fused with
-/// an addition, so that results are the same bit for bit on every processor.
+/// Instructions are chosen at run time. Every entry is summed up in the same order, and no
+/// multiplication is fused with an addition, so that results are the same bit for bit on every
+/// processor.
 
 #include <Eigen/Core>
 

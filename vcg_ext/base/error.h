@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What vcg_ext throws on purpose. The text is written for the user: it names the layer, what is wrong (how many, and
-/// the index of the first) and what to do about it.
+/// What vcg_ext throws on purpose. The text is written for the user: it names the layer, what is
+/// wrong (how many, and the index of the first) and what to do about it.
 
 #include <stdexcept>
 #include <string>
@@ -36,19 +37,22 @@ class SurfaceError : public Error {
     InwardOrientation,        ///< encloses a negative volume
     ZeroArea,                 ///< no face has an area
     Flat,                     ///< all vertices lie in one plane
-    CoordinateRange,          ///< so large or so small that squares and products of lengths leave the range of numbers
+    CoordinateRange,  ///< so large or so small that squares and products of lengths leave the range
+                      ///< of numbers
   };
   SurfaceError(Defect what, long howMany, long firstIndex, const std::string& text)
       : Error(text), defect(what), count(howMany), first(firstIndex) {}
   Defect defect;
   long count;  ///< how many elements are concerned
-  long first;  ///< index of the first of them (vertex or face, as the text says); -1 where none can be named
+  long first;  ///< index of the first of them (vertex or face, as the text says); -1 where none can
+               ///< be named
 };
 
 /// Positions on the sphere are no valid map, or no valid map could be reached.
 class MapError : public Error {
  public:
-  MapError(long howMany, long firstIndex, const std::string& text) : Error(text), count(howMany), first(firstIndex) {}
+  MapError(long howMany, long firstIndex, const std::string& text)
+      : Error(text), count(howMany), first(firstIndex) {}
   long count;  ///< how many faces (or vertices, as the text says) are concerned
   long first;  ///< index of the first of them; -1 where none can be named
 };

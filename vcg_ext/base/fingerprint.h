@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// A number that stands for a content: the same on every machine and in every run, and hardly ever the same for two
-/// contents.
+/// A number that stands for a content: the same on every machine and in every run, and hardly ever
+/// the same for two contents.
 
 #include <cstdint>
 #include <cstring>
@@ -8,8 +9,8 @@
 
 namespace sphere_propagation {
 
-/// Collects what belongs to a content, in order. The mixing step is the finaliser of SplitMix64 (G. L. Steele, D. Lea
-/// and C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
+/// Collects what belongs to a content, in order. The mixing step is the finaliser of SplitMix64 (G.
+/// L. Steele, D. Lea and C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 class Fingerprint {
  public:
   void add(std::uint64_t word) {

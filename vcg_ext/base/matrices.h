@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The matrix types that every algorithm of vcg_ext speaks.
 

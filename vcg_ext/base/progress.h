@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// How a long computation tells how far it is.
 
@@ -6,8 +7,8 @@
 
 namespace sphere_propagation {
 
-/// Called now and then, from the thread that called the algorithm, with the share done (0 to 1, never decreasing).
-/// Empty: nobody listens.
+/// Called now and then, from the thread that called the algorithm, with the share done (0 to 1,
+/// never decreasing). Empty: nobody listens.
 using Progress = std::function<void(double fraction)>;
 
 /// The part [from, to] of `whole`, as the progress of one step of it.

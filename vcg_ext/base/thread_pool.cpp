@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/base/thread_pool.h"
 
 #include <algorithm>
@@ -10,7 +11,8 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int mostThreads = 256;  // thousands take the memory that the system has for threads, and end the process
+constexpr int maxThreads =
+    256;  // thousands take the memory that the system has for threads, and end the process
 
 }  // namespace
 
@@ -51,7 +53,7 @@ struct ThreadPool::State {
 
 ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
   if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());
-  threads = std::min(threads, mostThreads);
+  threads = std::min(threads, maxThreads);
   try {
     for (int i = 1; i < threads; ++i) state_->workers.emplace_back([this] { state_->work(); });
   } catch (const std::system_error&) {  // the system gives no more: those that run will do
@@ -88,7 +90,8 @@ void ThreadPool::run(int ranges, void (*call)(const void*, int), const void* con
 }
 
 std::vector<double>& ThreadPool::partialSums(int ranges) {
-  if (state_->partialSums.size() < static_cast<size_t>(ranges)) state_->partialSums.resize(static_cast<size_t>(ranges));
+  if (state_->partialSums.size() < static_cast<size_t>(ranges))
+    state_->partialSums.resize(static_cast<size_t>(ranges));
   return state_->partialSums;
 }
 

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A few threads that share loops, and wait without burning time when there is nothing to do.
 ///
-/// Loops are cut into chunks whose size does not depend on the number of threads, and sums are added up in the chunks'
-/// order: results are the same bit for bit with any number of threads.
+/// Loops are cut into chunks whose size does not depend on the number of threads, and sums are
+/// added up in the chunks' order: results are the same bit for bit with any number of threads.
 
 #include <algorithm>
 #include <exception>
@@ -16,8 +17,9 @@ namespace sphere_propagation {
 
 class ThreadPool {
  public:
-  /// threads: how many work together, the calling one included; 0: as many as the machine runs at once; more than 256
-  /// are taken as 256. 1: no thread is started. Fewer are started where the system does not give that many.
+  /// threads: how many work together, the calling one included; 0: as many as the machine runs at
+  /// once; more than 256 are taken as 256. 1: no thread is started. Fewer are started where the
+  /// system does not give that many.
   explicit ThreadPool(int threads = 1);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -25,11 +27,12 @@ class ThreadPool {
 
   int threads() const;
 
-  /// Below so many elements of a loop no thread but the calling one takes part: a pool would be of no use.
+  /// Below so many elements of a loop no thread but the calling one takes part: a pool would be of
+  /// no use.
   static constexpr int worthwhile = 16384;
 
-  /// Calls f(begin, end) for consecutive ranges that make up 0 .. count - 1, from several threads at once. Returns when
-  /// all are done. f must not throw, and must not use this pool.
+  /// Calls f(begin, end) for consecutive ranges that make up 0 .. count - 1, from several threads
+  /// at once. Returns when all are done. f must not throw, and must not use this pool.
   template <class Function>
   void forRanges(int count, const Function& f) {
     const int ranges = rangesOf(count);
@@ -39,21 +42,26 @@ class ThreadPool {
     }
     const auto task = [&](int i) { f(beginOf(i), std::min(beginOf(i + 1), count)); };
     run(
-        ranges, [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); }, &task);
+        ranges,
+        [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); },
+        &task);
   }
 
   /// The sum of f(begin, end) over such ranges, added up in their order.
   template <class Function>
   double sum(int count, const Function& f) {
     std::vector<double>& parts = partialSums(rangesOf(count));
-    forRanges(count, [&](int begin, int end) { parts[static_cast<size_t>(begin / rangeSize)] = f(begin, end); });
+    forRanges(count, [&](int begin, int end) {
+      parts[static_cast<size_t>(begin / rangeSize)] = f(begin, end);
+    });
     double total = 0;
     for (int i = 0; i < rangesOf(count); ++i) total += parts[static_cast<size_t>(i)];
     return total;
   }
 
-  /// Calls f(0), ..., f(count - 1), for a few long tasks that are independent of each other; they may throw: all are
-  /// finished, then the exception of the first is thrown. f must not use this pool.
+  /// Calls f(0), ..., f(count - 1), for a few long tasks that are independent of each other; they
+  /// may throw: all are finished, then the exception of the first is thrown. f must not use this
+  /// pool.
   template <class Function>
   void forEach(int count, const Function& f) {
     std::vector<std::exception_ptr> failures(static_cast<size_t>(count));
@@ -68,7 +76,9 @@ class ThreadPool {
       for (int i = 0; i < count; ++i) task(i);
     else
       run(
-          count, [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); }, &task);
+          count,
+          [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); },
+          &task);
     for (const std::exception_ptr& failure : failures)
       if (failure) std::rethrow_exception(failure);
   }
@@ -77,7 +87,8 @@ class ThreadPool {
   template <class Function>
   auto makeEach(int count, const Function& f) {
     using Made = std::decay_t<decltype(f(0))>;
-    std::vector<std::optional<Made>> made(static_cast<size_t>(count));  // for types that only f can make
+    std::vector<std::optional<Made>> made(
+        static_cast<size_t>(count));  // for types that only f can make
     forEach(count, [&](int i) { made[static_cast<size_t>(i)].emplace(f(i)); });
     std::vector<Made> all;
     all.reserve(made.size());

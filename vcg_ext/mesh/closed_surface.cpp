@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/closed_surface.h"
 
 #include <Eigen/Geometry>
@@ -24,18 +25,21 @@ struct Tally {
   }
 };
 
-[[noreturn]] void fail(const std::string& name, Defect defect, const Tally& tally, const std::string& what,
-                       const std::string& remedy) {
+[[noreturn]] void fail(const std::string& name, Defect defect, const Tally& tally,
+                       const std::string& what, const std::string& remedy) {
   std::ostringstream text;
   text << "Layer \"" << name << "\": " << what << ". " << remedy;
   throw SurfaceError(defect, tally.count, tally.first, text.str());
 }
 
-/// Vertices that lie exactly where another one lies: what is left of a mesh whose faces were stored one by one.
+/// Vertices that lie exactly where another one lies: what is left of a mesh whose faces were stored
+/// one by one.
 long coincidentVertices(const Points& vertices) {
   std::vector<int> order(static_cast<size_t>(vertices.rows()));
   std::iota(order.begin(), order.end(), 0);
-  const auto row = [&](int v) { return std::make_tuple(vertices(v, 0), vertices(v, 1), vertices(v, 2)); };
+  const auto row = [&](int v) {
+    return std::make_tuple(vertices(v, 0), vertices(v, 1), vertices(v, 2));
+  };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return row(a) < row(b); });
   long count = 0;
   for (size_t i = 1; i < order.size(); ++i) count += row(order[i]) == row(order[i - 1]);
@@ -67,18 +71,21 @@ void ClosedSurface::checkElements() const {
   if (bad.count > 0)
     fail(name_, Defect::NonFiniteCoordinate, bad,
          counted(bad.count, "vertex has", "vertices have") +
-             " coordinates that are not finite numbers, the first is vertex " + std::to_string(bad.first),
-         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then \"Delete Selected "
-         "Vertices\" and \"Close Holes\".");
+             " coordinates that are not finite numbers, the first is vertex " +
+             std::to_string(bad.first),
+         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then "
+         "\"Delete Selected Vertices\" and \"Close Holes\".");
   for (int f = 0; f < m; ++f)
     if (faces_.row(f).minCoeff() < 0 || faces_.row(f).maxCoeff() >= n) bad.add(f);
   if (bad.count > 0)
     fail(name_, Defect::IndexOutOfRange, bad,
-         counted(bad.count, "face refers", "faces refer") + " to vertices that do not exist, the first is face " +
-             std::to_string(bad.first),
+         counted(bad.count, "face refers", "faces refer") +
+             " to vertices that do not exist, the first is face " + std::to_string(bad.first),
          "The file is damaged: export it again.");
   for (int f = 0; f < m; ++f)
-    if (faces_(f, 0) == faces_(f, 1) || faces_(f, 1) == faces_(f, 2) || faces_(f, 2) == faces_(f, 0)) bad.add(f);
+    if (faces_(f, 0) == faces_(f, 1) || faces_(f, 1) == faces_(f, 2) ||
+        faces_(f, 2) == faces_(f, 0))
+      bad.add(f);
   if (bad.count > 0)
     fail(name_, Defect::DegenerateFace, bad,
          counted(bad.count, "face uses", "faces use") + " one vertex twice, the first is face " +
@@ -87,14 +94,18 @@ void ClosedSurface::checkElements() const {
 }
 
 void ClosedSurface::connectEdges() {
-  // The half-edges, sorted into buckets by their smaller vertex and there by the larger: those of one edge meet.
+  // The half-edges, sorted into buckets by their smaller vertex and there by the larger: those of
+  // one edge meet.
   struct Entry {
     int larger, halfEdge;
-    bool operator<(const Entry& o) const { return std::tie(larger, halfEdge) < std::tie(o.larger, o.halfEdge); }
+    bool operator<(const Entry& o) const {
+      return std::tie(larger, halfEdge) < std::tie(o.larger, o.halfEdge);
+    }
   };
   const int n = vertexCount(), halfEdges = 3 * faceCount();
   std::vector<int> start(static_cast<size_t>(n) + 1, 0);
-  for (int h = 0; h < halfEdges; ++h) ++start[static_cast<size_t>(std::min(origin(h), target(h))) + 1];
+  for (int h = 0; h < halfEdges; ++h)
+    ++start[static_cast<size_t>(std::min(origin(h), target(h))) + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<Entry> entries(static_cast<size_t>(halfEdges));
   {
@@ -123,25 +134,27 @@ void ClosedSurface::connectEdges() {
   }
   if (crowded.count > 0)
     fail(name_, Defect::NonManifoldEdge, crowded,
-         counted(crowded.count, "edge has", "edges have") + " more than two faces, the first at face " +
-             std::to_string(crowded.first),
+         counted(crowded.count, "edge has", "edges have") +
+             " more than two faces, the first at face " + std::to_string(crowded.first),
          "Repair them with \"Repair non Manifold Edges\" (remove faces), then \"Close Holes\".");
   if (open.count > 0) {
     const long coincident = coincidentVertices(vertices_);
     fail(name_, Defect::NotClosed, open,
          "it is not closed: " + counted(open.count, "edge has", "edges have") +
              " a face on one side only, the first at face " + std::to_string(open.first),
-         coincident > 0 ? std::to_string(coincident) +
-                              " vertices lie exactly where another one lies: unify them with \"Remove Duplicate "
-                              "Vertices\"; close what is still open with \"Close Holes\"."
-                        : "Close it with \"Close Holes\".");
+         coincident > 0
+             ? std::to_string(coincident) +
+                   " vertices lie exactly where another one lies: unify them with \"Remove "
+                   "Duplicate Vertices\"; close what is still open with \"Close Holes\"."
+             : "Close it with \"Close Holes\".");
   }
   if (opposed.count > 0)
     fail(name_, Defect::InconsistentOrientation, opposed,
          "its faces are not oriented alike: " + counted(opposed.count, "edge lies", "edges lie") +
-             " between faces of opposite orientation, the first at face " + std::to_string(opposed.first),
-         "Orient them with \"Re-Orient all faces coherently\"; should they point inwards then, \"Invert Faces "
-         "Orientation\".");
+             " between faces of opposite orientation, the first at face " +
+             std::to_string(opposed.first),
+         "Orient them with \"Re-Orient all faces coherently\"; should they point inwards then, "
+         "\"Invert Faces Orientation\".");
 }
 
 void ClosedSurface::connectVertices() {
@@ -157,8 +170,8 @@ void ClosedSurface::connectVertices() {
     if (some[v] < 0) lonely.add(v);
   if (lonely.count > 0)
     fail(name_, Defect::UnreferencedVertex, lonely,
-         counted(lonely.count, "vertex belongs", "vertices belong") + " to no face, the first is vertex " +
-             std::to_string(lonely.first),
+         counted(lonely.count, "vertex belongs", "vertices belong") +
+             " to no face, the first is vertex " + std::to_string(lonely.first),
          "Remove them with \"Remove Unreferenced Vertices\".");
   std::partial_sum(offset_.begin(), offset_.end(), offset_.begin());
   outgoing_.resize(static_cast<size_t>(halfEdges));
@@ -175,9 +188,10 @@ void ClosedSurface::connectVertices() {
   if (pinched.count > 0)
     fail(name_, Defect::NonManifoldVertex, pinched,
          "at " + counted(pinched.count, "vertex", "vertices") +
-             " sheets touch that share no edge there, the first is vertex " + std::to_string(pinched.first),
-         "Separate them with \"Repair non Manifold Vertices by splitting\", then keep the largest part with \"Remove "
-         "Isolated pieces (wrt Face Num.)\".");
+             " sheets touch that share no edge there, the first is vertex " +
+             std::to_string(pinched.first),
+         "Separate them with \"Repair non Manifold Vertices by splitting\", then keep the largest "
+         "part with \"Remove Isolated pieces (wrt Face Num.)\".");
 }
 
 void ClosedSurface::checkTopology() const {
@@ -199,8 +213,8 @@ void ClosedSurface::checkTopology() const {
   }
   if (first.size() > 1)
     fail(name_, Defect::SeveralParts, {static_cast<long>(first.size()), first[1]},
-         "it has " + std::to_string(first.size()) + " separate parts, vertex " + std::to_string(first[1]) +
-             " is the first outside the part of vertex 0",
+         "it has " + std::to_string(first.size()) + " separate parts, vertex " +
+             std::to_string(first[1]) + " is the first outside the part of vertex 0",
          "Keep the one that is meant with \"Remove Isolated pieces (wrt Face Num.)\".");
   // Euler: V - E + F = 2 - 2 g, and E = 3 F / 2 on a closed surface.
   const long genus = (2 - (static_cast<long>(n) - faceCount() / 2)) / 2;
@@ -208,19 +222,21 @@ void ClosedSurface::checkTopology() const {
     fail(name_, Defect::Handles, {genus, -1},
          "it has " + counted(genus, "handle", "handles") + " (genus " + std::to_string(genus) +
              "), and a sphere has none",
-         "Remove them before meshing (fill the tunnels in the label image), or rebuild the surface with \"Surface "
-         "Reconstruction: Screened Poisson\" at a lower depth.");
+         "Remove them before meshing (fill the tunnels in the label image), or rebuild the surface "
+         "with \"Surface Reconstruction: Screened Poisson\" at a lower depth.");
 }
 
 void ClosedSurface::checkGeometry() const {
-  // Lengths are taken relative to the extent, so that neither tiny nor huge coordinates leave the range of numbers.
+  // Lengths are taken relative to the extent, so that neither tiny nor huge coordinates leave the
+  // range of numbers.
   const Vector3 low = vertices_.colwise().minCoeff(), high = vertices_.colwise().maxCoeff();
   const Vector3 centre = 0.5 * low + 0.5 * high;
   const double extent = (0.5 * high - 0.5 * low).maxCoeff();
   double area = 0, volume = 0;
   if (extent > 0)
     for (int f = 0; f < faceCount(); ++f) {
-      const Vector3 a = (vertex(faces_(f, 0)) - centre) / extent, b = (vertex(faces_(f, 1)) - centre) / extent,
+      const Vector3 a = (vertex(faces_(f, 0)) - centre) / extent,
+                    b = (vertex(faces_(f, 1)) - centre) / extent,
                     c = (vertex(faces_(f, 2)) - centre) / extent;
       const Vector3 n = (b - a).cross(c - a);
       area += 0.5 * n.norm();
@@ -229,7 +245,8 @@ void ClosedSurface::checkGeometry() const {
   if (!(area > 0))
     fail(name_, Defect::ZeroArea, {faceCount(), 0}, "all its faces have zero area",
          "There is no surface to map: load the mesh again.");
-  constexpr double flat = 1e-9;  // a flattened surface encloses nothing, up to rounding, and has no inside
+  constexpr double flat =
+      1e-9;  // a flattened surface encloses nothing, up to rounding, and has no inside
   if (volume < -flat * std::pow(area, 1.5))
     fail(name_, Defect::InwardOrientation, {faceCount(), 0}, "its faces are oriented inwards",
          "Turn them round with \"Invert Faces Orientation\".");

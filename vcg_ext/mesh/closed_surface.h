@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A triangle mesh that is known to be a sphere topologically: the input of every algorithm here.
 
@@ -23,16 +24,19 @@ class IndexRange {
   const int* end_;
 };
 
-/// A closed, connected, manifold, outward oriented triangle surface of genus 0 with finite coordinates and an area.
+/// A closed, connected, manifold, outward oriented triangle surface of genus 0 with finite
+/// coordinates and an area.
 ///
-/// An object of this type passed every check, so what takes one need not check again. It also knows its adjacency.
-/// Zero-area faces and vertices at the same place are allowed: they are no defect of the topology.
+/// An object of this type passed every check, so what takes one need not check again. It also knows
+/// its adjacency. Zero-area faces and vertices at the same place are allowed: they are no defect of
+/// the topology.
 ///
 /// Half-edges: half-edge h = 3 f + k runs from faces()(f, k) to faces()(f, (k + 1) % 3).
 class ClosedSurface {
  public:
   /// vertices: #V by 3, #V >= 4; faces: #F by 3; name: what errors call it (a layer's label).
-  /// Throws SurfaceError, which says what is wrong, how often, where first, and which MeshLab filter mends it.
+  /// Throws SurfaceError, which says what is wrong, how often, where first, and which MeshLab
+  /// filter mends it.
   ClosedSurface(Points vertices, Triangles faces, std::string name = "surface");
 
   const Points& vertices() const { return vertices_; }
@@ -42,10 +46,16 @@ class ClosedSurface {
   int faceCount() const { return static_cast<int>(faces_.rows()); }
   Vector3 vertex(int v) const { return vertices_.row(v).transpose(); }
 
-  /// The neighbours of vertex v, counter-clockwise seen from outside; faces (v, ring[i], ring[i + 1]).
-  IndexRange ring(int v) const { return {ring_.data() + offset_[v], ring_.data() + offset_[v + 1]}; }
-  /// The half-edges from v to ring(v)[i], in the same order; h / 3 is the face (v, ring[i], ring[i + 1]).
-  IndexRange outgoing(int v) const { return {outgoing_.data() + offset_[v], outgoing_.data() + offset_[v + 1]}; }
+  /// The neighbours of vertex v, counter-clockwise seen from outside; faces (v, ring[i], ring[i +
+  /// 1]).
+  IndexRange ring(int v) const {
+    return {ring_.data() + offset_[v], ring_.data() + offset_[v + 1]};
+  }
+  /// The half-edges from v to ring(v)[i], in the same order; h / 3 is the face (v, ring[i], ring[i
+  /// + 1]).
+  IndexRange outgoing(int v) const {
+    return {outgoing_.data() + offset_[v], outgoing_.data() + offset_[v + 1]};
+  }
   /// The half-edge that runs the other way along the same edge.
   int twin(int h) const { return twin_[h]; }
   int origin(int h) const { return faces_(h / 3, h % 3); }

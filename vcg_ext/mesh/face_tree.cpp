@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/face_tree.h"
 
 #include <algorithm>
@@ -7,18 +8,22 @@ namespace {
 
 constexpr int leafSize = 1;  // measured: 2 and 4 look at more faces than they save boxes
 
-Vector3 centroid(const FaceTree::Face& face) { return face.corner[0] / 3 + face.corner[1] / 3 + face.corner[2] / 3; }
+Vector3 centroid(const FaceTree::Face& face) {
+  return face.corner[0] / 3 + face.corner[1] / 3 + face.corner[2] / 3;
+}
 
 FaceTree::Face faceOf(const Points& vertices, const Triangles& faces, int f) {
   FaceTree::Face face;
   face.index = f;
-  for (size_t k = 0; k < 3; ++k) face.corner[k] = vertices.row(faces(f, static_cast<Eigen::Index>(k))).transpose();
+  for (size_t k = 0; k < 3; ++k)
+    face.corner[k] = vertices.row(faces(f, static_cast<Eigen::Index>(k))).transpose();
   return face;
 }
 
 }  // namespace
 
-/// split(begin, middle, end) brings the faces of a range into an order in which its halves belong together.
+/// split(begin, middle, end) brings the faces of a range into an order in which its halves belong
+/// together.
 template <class Split>
 void FaceTree::makeNodes(int count, const Split& split) {
   struct Range {
@@ -35,11 +40,13 @@ void FaceTree::makeNodes(int count, const Split& split) {
     const Task task = tasks.back();
     tasks.pop_back();
     const int here = static_cast<int>(nodes_.size());
-    if (task.parent >= 0) nodes_[static_cast<size_t>(task.parent)].child[static_cast<size_t>(task.place)] = {here, 0};
+    if (task.parent >= 0)
+      nodes_[static_cast<size_t>(task.parent)].child[static_cast<size_t>(task.place)] = {here, 0};
     std::vector<Range> parts{task.range};
     while (parts.size() < 4) {
-      const auto largest = std::max_element(parts.begin(), parts.end(),
-                                            [](const Range& a, const Range& b) { return a.size() < b.size(); });
+      const auto largest =
+          std::max_element(parts.begin(), parts.end(),
+                           [](const Range& a, const Range& b) { return a.size() < b.size(); });
       if (largest->size() <= leafSize) break;
       const Range whole = *largest;
       const int middle = whole.begin + whole.size() / 2;
@@ -80,7 +87,8 @@ FaceTree::FaceTree(const Points& vertices, const Triangles& faces, double margin
     (high - low).maxCoeff(&axis);
     std::nth_element(begin, items.begin() + middle, end, [axis](const Item& a, const Item& b) {
       // Equal centroids fall back on the index: the tree is the same with every standard library.
-      return a.centre[axis] < b.centre[axis] || (a.centre[axis] == b.centre[axis] && a.face < b.face);
+      return a.centre[axis] < b.centre[axis] ||
+             (a.centre[axis] == b.centre[axis] && a.face < b.face);
     });
   });
   faces_.reserve(items.size());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A tree of bounding boxes over the faces of a mesh: what the locators search.
 
@@ -9,9 +10,9 @@
 
 namespace sphere_propagation {
 
-/// Built once by splits into quarters, so its depth is logarithmic whatever the mesh is like. The four boxes of a node
-/// are looked at together, which the processor does in a few instructions. The corners are kept in the order of the
-/// leaves, so that a leaf's faces lie side by side in memory.
+/// Built once by splits into quarters, so its depth is logarithmic whatever the mesh is like. The
+/// four boxes of a node are looked at together, which the processor does in a few instructions. The
+/// corners are kept in the order of the leaves, so that a leaf's faces lie side by side in memory.
 class FaceTree {
  public:
   struct Face {
@@ -25,19 +26,20 @@ class FaceTree {
     std::array<Four, 3> low, high;
   };
 
-  /// vertices: #V by 3, finite; faces: #F by 3, at least one; margin: by how much the boxes are larger than the faces
-  /// in them, on every side (room for the rounding of a query).
+  /// vertices: #V by 3, finite; faces: #F by 3, at least one; margin: by how much the boxes are
+  /// larger than the faces in them, on every side (room for the rounding of a query).
   FaceTree(const Points& vertices, const Triangles& faces, double margin = 0);
 
-  /// The same over faces in an order that is given, each face once: what is near in the order should be near in space.
-  /// Several times quicker to build; how quick a search is depends on the order, what it finds does not.
+  /// The same over faces in an order that is given, each face once: what is near in the order
+  /// should be near in space. Several times quicker to build; how quick a search is depends on the
+  /// order, what it finds does not.
   FaceTree(const Points& vertices, const Triangles& faces, const std::vector<int>& order);
 
   /// The faces in the tree's order.
   const std::vector<Face>& faces() const { return faces_; }
 
-  /// Branch and bound. Visits every face but those in boxes whose bound exceeds the query's limit; nearer boxes first,
-  /// so that a limit that shrinks while faces are visited soon excludes most.
+  /// Branch and bound. Visits every face but those in boxes whose bound exceeds the query's limit;
+  /// nearer boxes first, so that a limit that shrinks while faces are visited soon excludes most.
   ///
   /// query.bounds(boxes)  for each box the least value that a face inside it can have
   /// query.limit()        boxes with a greater bound are skipped
@@ -66,7 +68,8 @@ class FaceTree {
 
 template <class Query>
 void FaceTree::search(Query& query) const {
-  struct Entry {  // NOLINT(cppcoreguidelines-pro-type-member-init): 64 of them, written before they are read
+  struct Entry {  // NOLINT(cppcoreguidelines-pro-type-member-init): 64 of them, written before they
+                  // are read
     double bound;
     Child child;
   };
@@ -84,11 +87,13 @@ void FaceTree::search(Query& query) const {
           const Entry entry{bounds[k], node.child[static_cast<size_t>(k)]};
           if (!(entry.bound <= limit)) continue;
           size_t place = size++;  // the nearest last
-          for (; place > before && stack[place - 1].bound < entry.bound; --place) stack[place] = stack[place - 1];
+          for (; place > before && stack[place - 1].bound < entry.bound; --place)
+            stack[place] = stack[place - 1];
           stack[place] = entry;
         }
       } else {
-        for (int i = at.child.first; i < at.child.first + at.child.count; ++i) query.visit(static_cast<size_t>(i));
+        for (int i = at.child.first; i < at.child.first + at.child.count; ++i)
+          query.visit(static_cast<size_t>(i));
       }
     }
     if (size == 0) return;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/icosphere.h"
 
 #include <array>
@@ -35,8 +36,8 @@ struct Rows {
   }
 };
 
-/// The corners of the icosahedron. Without trigonometric functions, whose last bit differs from one library to the
-/// next.
+/// The corners of the icosahedron. Without trigonometric functions, whose last bit differs from one
+/// library to the next.
 struct Corners {
   Vector3 north{0, 0, 1}, south{0, 0, -1};
   std::array<Vector3, 6> upper, lower;  // the sixth is the first again
@@ -72,7 +73,8 @@ Points makeVertices(int f) {
         if (row <= f) {
           add(f - row, corner.north, row - s, u0, s, u1);
         } else if (row <= 2 * f) {
-          const int down = row - f, cross = s - (f - down);  // from cross on the triangle (u1, l0, l1)
+          const int down = row - f,
+                    cross = s - (f - down);  // from cross on the triangle (u1, l0, l1)
           if (cross < 0)
             add(f - down - s, u0, s, u1, down, l0);
           else
@@ -115,20 +117,23 @@ Triangles makeFaces(int f) {
 
 Icosphere icosphere(int frequency) {
   if (frequency < 1)
-    throw ParameterError("The frequency of an icosphere must be at least 1, not " + std::to_string(frequency) + ".");
-  if (frequency > largestIcosphereFrequency) {
-    const double vertices = 10.0 * frequency * frequency + 2, bytes = vertices * (3 * sizeof(double) + 6 * sizeof(int));
+    throw ParameterError("The frequency of an icosphere must be at least 1, not " +
+                         std::to_string(frequency) + ".");
+  if (frequency > maxIcosphereFrequency) {
+    const double vertices = 10.0 * frequency * frequency + 2,
+                 bytes = vertices * (3 * sizeof(double) + 6 * sizeof(int));
     throw ParameterError("An icosphere of frequency " + std::to_string(frequency) + " has " +
                          std::to_string(std::llround(vertices)) + " landmarks and takes " +
-                         std::to_string(std::llround(bytes / 1e6)) + " MB for each surface; the largest frequency is " +
-                         std::to_string(largestIcosphereFrequency) + ".");
+                         std::to_string(std::llround(bytes / 1e6)) +
+                         " MB for each surface; the largest frequency is " +
+                         std::to_string(maxIcosphereFrequency) + ".");
   }
   return {makeVertices(frequency), makeFaces(frequency)};
 }
 
 std::optional<int> icosphereFrequency(Eigen::Index vertexCount, const Triangles& faces) {
   const double estimate = std::sqrt(static_cast<double>(faces.rows()) / 20);
-  if (!(estimate >= 1 && estimate <= largestIcosphereFrequency)) return {};
+  if (!(estimate >= 1 && estimate <= maxIcosphereFrequency)) return {};
   const int f = static_cast<int>(std::lround(estimate));
   if (faces.rows() != 20 * f * f || vertexCount != 10 * f * f + 2) return {};
   if (faces != makeFaces(f)) return {};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/sphere_fit.h"
 
 #include <Eigen/Cholesky>
@@ -7,7 +8,8 @@
 namespace sphere_propagation {
 
 double deviationFromSphere(const Points& points) {
-  // |q - c|^2 = r^2 is linear in c and d = r^2 - |c|^2: 2 q.c + d = |q|^2. Solved with q about the mean, of extent 1.
+  // |q - c|^2 = r^2 is linear in c and d = r^2 - |c|^2: 2 q.c + d = |q|^2. Solved with q about the
+  // mean, of extent 1.
   const double none = std::numeric_limits<double>::infinity();
   const Eigen::RowVector3d mean = points.colwise().mean();
   const double extent = (points.rowwise() - mean).cwiseAbs().maxCoeff();
@@ -18,8 +20,8 @@ double deviationFromSphere(const Points& points) {
   const Eigen::LDLT<Eigen::Matrix4d> normal(system.transpose() * system);
   const Eigen::Vector4d solution = normal.solve(system.transpose() * q.rowwise().squaredNorm());
   const double squaredRadius = solution[3] + solution.head<3>().squaredNorm();
-  if (!solution.allFinite() || !(normal.vectorD().minCoeff() > 1e-12 * normal.vectorD().maxCoeff()) ||
-      squaredRadius <= 0)
+  if (!solution.allFinite() ||
+      !(normal.vectorD().minCoeff() > 1e-12 * normal.vectorD().maxCoeff()) || squaredRadius <= 0)
     return none;
   const double radius = std::sqrt(squaredRadius);
   const Eigen::VectorXd distances = (q.rowwise() - solution.head<3>().transpose()).rowwise().norm();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/surface_geometry.h"
 
 #include <Eigen/Geometry>
@@ -29,7 +30,8 @@ void normaliseRows(Points& rows) {
 
 Eigen::VectorXd faceAreas(const Points& vertices, const Triangles& faces) {
   Eigen::VectorXd areas(faces.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) areas[f] = 0.5 * areaNormal(vertices, faces, f).stableNorm();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    areas[f] = 0.5 * areaNormal(vertices, faces, f).stableNorm();
   return areas;
 }
 
@@ -45,7 +47,8 @@ Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces) {
 
 Points faceNormals(const Points& vertices, const Triangles& faces) {
   Points normals(faces.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) normals.row(f) = areaNormal(vertices, faces, f).transpose();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    normals.row(f) = areaNormal(vertices, faces, f).transpose();
   normaliseRows(normals);
   return normals;
 }
@@ -63,7 +66,8 @@ Points vertexNormals(const Points& vertices, const Triangles& faces) {
 double meanEdgeLength(const Points& vertices, const Triangles& faces) {
   double sum = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) sum += (corner(vertices, faces, f, k) - corner(vertices, faces, f, (k + 1) % 3)).norm();
+    for (int k = 0; k < 3; ++k)
+      sum += (corner(vertices, faces, f, k) - corner(vertices, faces, f, (k + 1) % 3)).norm();
   return sum / static_cast<double>(3 * faces.rows());
 }
 
@@ -72,7 +76,8 @@ Points cornerAngles(const Points& vertices, const Triangles& faces) {
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const Vector3 p = corner(vertices, faces, f, k);
-      const Vector3 a = corner(vertices, faces, f, (k + 1) % 3) - p, b = corner(vertices, faces, f, (k + 2) % 3) - p;
+      const Vector3 a = corner(vertices, faces, f, (k + 1) % 3) - p,
+                    b = corner(vertices, faces, f, (k + 2) % 3) - p;
       angles(f, k) = std::atan2(a.cross(b).stableNorm(), a.dot(b));
     }
   return angles;

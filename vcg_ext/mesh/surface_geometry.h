@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Areas, normals, lengths and angles of triangle meshes, as every step downstream needs them.
 
@@ -19,7 +20,8 @@ Eigen::VectorXd vertexAreas(const Points& vertices, const Triangles& faces);
 /// Unit normal of each face, #F by 3; zero for a face without area.
 Points faceNormals(const Points& vertices, const Triangles& faces);
 
-/// Unit normal of each vertex, #V by 3: the normals of its faces weighted by their areas; zero where they cancel.
+/// Unit normal of each vertex, #V by 3: the normals of its faces weighted by their areas; zero
+/// where they cancel.
 Points vertexNormals(const Points& vertices, const Triangles& faces);
 
 /// Mean edge length, each edge counted once per face.

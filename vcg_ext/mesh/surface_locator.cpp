@@ -1,5 +1,7 @@
-// Closest point on a triangle: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5. The areas are taken from
-// cross products instead of his products of dot products, which lose twice as many digits on thin triangles.
+// SPDX-License-Identifier: GPL-3.0-only
+// Closest point on a triangle: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5. The
+// areas are taken from cross products instead of his products of dot products, which lose twice as
+// many digits on thin triangles.
 
 #include "vcg_ext/mesh/surface_locator.h"
 
@@ -23,7 +25,8 @@ Vector3 unitNormal(const Corners& t) {
   return length > flat * longest ? Vector3(n / length) : Vector3(Vector3::Zero());
 }
 
-/// Weights of the point of a triangle without area that is closest to the origin: on one of its sides.
+/// Weights of the point of a triangle without area that is closest to the origin: on one of its
+/// sides.
 Vector3 closestOnSides(const Corners& t) {
   Vector3 best = Vector3::UnitX();
   double least = std::numeric_limits<double>::infinity();
@@ -79,7 +82,7 @@ struct ClosestQuery {
   const std::vector<Vector3>& normals;
   Vector3 x;
   const Vector3* direction;  // null: any face will do
-  double leastCosine;
+  double minCosine;
   double least = std::numeric_limits<double>::infinity();  // squared distance of the best so far
   SurfacePoint best = {};
 
@@ -91,16 +94,18 @@ struct ClosestQuery {
     return along(0) + along(1) + along(2);
   }
 
-  // With some slack: a box that rounding puts just beyond the best may hold a face that rounding puts just before it.
+  // With some slack: a box that rounding puts just beyond the best may hold a face that rounding
+  // puts just before it.
   double limit() const { return least * (1 + 1e-12); }
 
   void visit(size_t i) {
     const FaceTree::Face& face = tree.faces()[i];
     const Vector3& normal = normals[i];
-    if (direction && (normal.isZero(0) || !(normal.dot(*direction) >= leastCosine))) return;
+    if (direction && (normal.isZero(0) || !(normal.dot(*direction) >= minCosine))) return;
     const Corners t{face.corner[0] - x, face.corner[1] - x, face.corner[2] - x};
     const Vector3 weights = closestInTriangle(t, normal);
-    const double distance = (weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2]).squaredNorm();
+    const double distance =
+        (weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2]).squaredNorm();
     if (distance < least || (distance == least && face.index < best.face)) {
       least = distance;
       best.face = face.index;
@@ -117,11 +122,13 @@ struct ClosestQuery {
 
 }  // namespace
 
-SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces) : tree_(vertices, faces) {
+SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces)
+    : tree_(vertices, faces) {
   orderFaces();
 }
 
-SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces, const std::vector<int>& order)
+SurfaceLocator::SurfaceLocator(const Points& vertices, const Triangles& faces,
+                               const std::vector<int>& order)
     : tree_(vertices, faces, order) {
   orderFaces();
 }
@@ -148,8 +155,9 @@ SurfacePoint SurfaceLocator::closest(const Vector3& x, int near) const {
   return query.answer();
 }
 
-SurfacePoint SurfaceLocator::closest(const Vector3& x, const Vector3& direction, double leastCosine, int near) const {
-  ClosestQuery query{tree_, normals_, x, &direction, leastCosine};
+SurfacePoint SurfaceLocator::closest(const Vector3& x, const Vector3& direction, double minCosine,
+                                     int near) const {
+  ClosestQuery query{tree_, normals_, x, &direction, minCosine};
   if (near >= 0) query.visit(places_[static_cast<size_t>(near)]);
   return query.answer();
 }

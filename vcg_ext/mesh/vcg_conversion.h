@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// From and to VCG meshes: the only place where vcg_ext meets them. Any MeshType will do, float or double, whose faces
-/// are triangles with vertex references.
+/// From and to VCG meshes: the only place where vcg_ext meets them. Any MeshType will do, float or
+/// double, whose faces are triangles with vertex references.
 
 #include <vcg/complex/complex.h>
 
@@ -25,18 +26,21 @@ template <class Scalar>
 Eigen::Matrix4d matrixFromVcg(const vcg::Matrix44<Scalar>& matrix) {
   Eigen::Matrix4d result;
   for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) result(row, column) = static_cast<double>(matrix.ElementAt(row, column));
+    for (int column = 0; column < 4; ++column)
+      result(row, column) = static_cast<double>(matrix.ElementAt(row, column));
   return result;
 }
 
 /// The closed surface that a mesh stands for: deleted elements left out, the matrix applied.
 ///
-/// transform: an affine matrix, which maps mesh.vert[i].P() to where the layer is seen (its last row is taken as 0 0 0
-/// 1). One that mirrors (negative determinant) would turn the surface inside out: its faces are then reversed (corners
-/// 1 and 2 exchanged), so that what was outward stays outward. name: what errors call the surface (the layer's label).
-/// Throws SurfaceError as ClosedSurface does. Indices in its text count the elements that are not deleted.
+/// transform: an affine matrix, which maps mesh.vert[i].P() to where the layer is seen (its last
+/// row is taken as 0 0 0 1). One that mirrors (negative determinant) would turn the surface inside
+/// out: its faces are then reversed (corners 1 and 2 exchanged), so that what was outward stays
+/// outward. name: what errors call the surface (the layer's label). Throws SurfaceError as
+/// ClosedSurface does. Indices in its text count the elements that are not deleted.
 template <class MeshType>
-MeshSurface surfaceFromMesh(const MeshType& mesh, const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity(),
+MeshSurface surfaceFromMesh(const MeshType& mesh,
+                            const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity(),
                             const std::string& name = "surface") {
   const Eigen::Matrix3d linear = transform.topLeftCorner<3, 3>();
   const Vector3 translation = transform.topRightCorner<3, 1>();
@@ -46,7 +50,8 @@ MeshSurface surfaceFromMesh(const MeshType& mesh, const Eigen::Matrix4d& transfo
   for (size_t i = 0; i < mesh.vert.size(); ++i) {
     if (mesh.vert[i].IsD()) continue;
     const auto& p = mesh.vert[i].cP();
-    const Vector3 point(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+    const Vector3 point(static_cast<double>(p[0]), static_cast<double>(p[1]),
+                        static_cast<double>(p[2]));
     compacted[i] = static_cast<int>(meshVertex.size());
     vertices.row(compacted[i]) = (linear * point + translation).transpose();
     meshVertex.push_back(static_cast<int>(i));
@@ -58,7 +63,8 @@ MeshSurface surfaceFromMesh(const MeshType& mesh, const Eigen::Matrix4d& transfo
   Eigen::Index count = 0;
   for (size_t i = 0; i < mesh.face.size(); ++i) {
     if (mesh.face[i].IsD()) continue;
-    for (int k = 0; k < 3; ++k) faces(count, k) = compacted[static_cast<size_t>(mesh.face[i].cV(k) - &mesh.vert[0])];
+    for (int k = 0; k < 3; ++k)
+      faces(count, k) = compacted[static_cast<size_t>(mesh.face[i].cV(k) - &mesh.vert[0])];
     if (mirrored) std::swap(faces(count, 1), faces(count, 2));
     ++count;
   }
@@ -66,8 +72,8 @@ MeshSurface surfaceFromMesh(const MeshType& mesh, const Eigen::Matrix4d& transfo
   return {ClosedSurface(std::move(vertices), std::move(faces), name), std::move(meshVertex)};
 }
 
-/// Makes `mesh` consist of these points and faces and nothing else, and updates its bounding box. Normals and whatever
-/// else the mesh carries are the caller's.
+/// Makes `mesh` consist of these points and faces and nothing else, and updates its bounding box.
+/// Normals and whatever else the mesh carries are the caller's.
 ///
 /// points: #V by 3; faces: #F by 3, may be empty.
 template <class MeshType>
@@ -78,9 +84,11 @@ void meshFromSurface(const Points& points, const Triangles& faces, MeshType& mes
   vcg::tri::Allocator<MeshType>::AddFaces(mesh, static_cast<size_t>(faces.rows()));
   for (Eigen::Index v = 0; v < points.rows(); ++v)
     mesh.vert[static_cast<size_t>(v)].P() = typename MeshType::CoordType(
-        static_cast<Scalar>(points(v, 0)), static_cast<Scalar>(points(v, 1)), static_cast<Scalar>(points(v, 2)));
+        static_cast<Scalar>(points(v, 0)), static_cast<Scalar>(points(v, 1)),
+        static_cast<Scalar>(points(v, 2)));
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) mesh.face[static_cast<size_t>(f)].V(k) = &mesh.vert[static_cast<size_t>(faces(f, k))];
+    for (int k = 0; k < 3; ++k)
+      mesh.face[static_cast<size_t>(f)].V(k) = &mesh.vert[static_cast<size_t>(faces(f, k))];
   vcg::tri::UpdateBounding<MeshType>::Box(mesh);
 }
 

@@ -1,4 +1,6 @@
-// The tree is nanoflann's: J. L. Blanco and P. K. Rai, nanoflann: a C++ header-only fork of FLANN, 2014.
+// SPDX-License-Identifier: GPL-3.0-only
+// The tree is nanoflann's: J. L. Blanco and P. K. Rai, nanoflann: a C++ header-only fork of FLANN,
+// 2014.
 
 #include "vcg_ext/mesh/vertex_locator.h"
 
@@ -40,8 +42,11 @@ class Nearest {
     }
     return true;
   }
-  /// A little more than the best, so that equally near points are seen in spite of the rounding of the tree's bounds.
-  double worstDist() const { return squaredDistance_ * (1 + 1e-12) + std::numeric_limits<double>::min(); }
+  /// A little more than the best, so that equally near points are seen in spite of the rounding of
+  /// the tree's bounds.
+  double worstDist() const {
+    return squaredDistance_ * (1 + 1e-12) + std::numeric_limits<double>::min();
+  }
   bool full() const { return index_ != std::numeric_limits<int>::max(); }
   bool empty() const { return !full(); }
   std::size_t size() const { return full() ? 1 : 0; }
@@ -61,7 +66,8 @@ struct VertexLocator::Tree {
   static constexpr std::size_t leafSize = 10;
 
   explicit Tree(Points points)
-      : cloud{std::move(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(leafSize)) {}
+      : cloud{std::move(points)},
+        index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(leafSize)) {}
   Cloud cloud;
   Index index;  // refers to cloud
 };
@@ -81,16 +87,18 @@ int VertexLocator::nearest(const Vector3& x, int guess) const {
   Nearest result;
   // The metric's own sum, so that the guess is compared with itself without a rounding difference.
   if (guess >= 0)
-    result = Nearest(tree_->index.distance.evalMetric(x.data(), static_cast<std::uint32_t>(guess), 3), guess);
+    result = Nearest(
+        tree_->index.distance.evalMetric(x.data(), static_cast<std::uint32_t>(guess), 3), guess);
   tree_->index.findNeighbors(result, x.data(), {});
   return result.index();
 }
 
-std::vector<int> VertexLocator::nearest(const Points& queries, const std::vector<int>& guesses) const {
+std::vector<int> VertexLocator::nearest(const Points& queries,
+                                        const std::vector<int>& guesses) const {
   std::vector<int> indices(static_cast<std::size_t>(queries.rows()));
   for (std::size_t i = 0; i < indices.size(); ++i)
-    indices[i] =
-        nearest(Vector3(queries.row(static_cast<Eigen::Index>(i)).transpose()), guesses.empty() ? -1 : guesses[i]);
+    indices[i] = nearest(Vector3(queries.row(static_cast<Eigen::Index>(i)).transpose()),
+                         guesses.empty() ? -1 : guesses[i]);
   return indices;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Nearest vertices.
 
@@ -8,8 +9,8 @@
 
 namespace sphere_propagation {
 
-/// A kd-tree over points; built once, asked often. Of equally near points it always answers the smallest index, so that
-/// results do not depend on how the tree was built.
+/// A kd-tree over points; built once, asked often. Of equally near points it always answers the
+/// smallest index, so that results do not depend on how the tree was built.
 class VertexLocator {
  public:
   /// points: #P by 3, #P >= 1, finite; copied. Throws ParameterError when there is no point.
@@ -21,7 +22,8 @@ class VertexLocator {
   const Points& points() const;
 
   /// Index of the point nearest to x.
-  /// guess: a point that may be near (the answer of a query close by); it makes the search faster, never different.
+  /// guess: a point that may be near (the answer of a query close by); it makes the search faster,
+  /// never different.
   int nearest(const Vector3& x, int guess = -1) const;
 
   /// Index of the nearest point for each row of queries (#Q by 3).

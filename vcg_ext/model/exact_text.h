@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Numbers as text from which they can be read back exactly, in any locale.
 

@@ -1,5 +1,6 @@
-// Names in comments are those of the specification. All addresses count from the begin of the file; every structure
-// begins at a multiple of 8.
+// SPDX-License-Identifier: GPL-3.0-only
+// Names in comments are those of the specification. All addresses count from the begin of the file;
+// every structure begins at a multiple of 8.
 
 #include <algorithm>
 #include <cassert>
@@ -16,7 +17,9 @@ namespace {
 using Address = std::uint64_t;
 
 constexpr Address undefined = ~Address{0};
-constexpr int leafK = 4, internalK = 16;  // a symbol table node holds 2 leafK entries, a B-tree node 2 internalK
+constexpr int leafK = 4,
+              internalK =
+                  16;  // a symbol table node holds 2 leafK entries, a B-tree node 2 internalK
 constexpr size_t superblockSize = 96;
 
 /// A string that numbers are appended to.
@@ -57,7 +60,9 @@ std::string dataspace(const std::vector<Eigen::Index>& extents) {
 }
 
 /// Datatype messages, version 1: class, bit field, size, properties.
-std::string integerType() { return Bytes().put(0x10, 1).put(0x08, 3).put(4, 4).put(0, 2).put(32, 2).str(); }
+std::string integerType() {
+  return Bytes().put(0x10, 1).put(0x08, 3).put(4, 4).put(0, 2).put(32, 2).str();
+}
 
 std::string floatType() {
   return Bytes()
@@ -75,12 +80,19 @@ std::string floatType() {
 }
 
 /// Text with a zero at its end, UTF-8.
-std::string stringType(size_t length) { return Bytes().put(0x13, 1).put(0x10, 3).put(length, 4).str(); }
+std::string stringType(size_t length) {
+  return Bytes().put(0x13, 1).put(0x10, 3).put(length, 4).str();
+}
 
 /// A header message: type, size, flags, content.
 std::string message(int type, const std::string& content) {
   const std::string data = aligned(content);
-  return Bytes().put(static_cast<std::uint64_t>(type), 2).put(data.size(), 2).put(0, 4).put(data).str();
+  return Bytes()
+      .put(static_cast<std::uint64_t>(type), 2)
+      .put(data.size(), 2)
+      .put(0, 4)
+      .put(data)
+      .str();
 }
 
 std::string attribute(const std::string& name, const std::string& value) {
@@ -95,7 +107,14 @@ std::string attribute(const std::string& name, const std::string& value) {
 std::string objectHeader(const std::vector<std::string>& messages) {
   std::string all;
   for (const std::string& m : messages) all += m;
-  return Bytes().put(1, 2).put(messages.size(), 2).put(1, 4).put(all.size(), 4).fill(16).put(all).str();
+  return Bytes()
+      .put(1, 2)
+      .put(messages.size(), 2)
+      .put(1, 4)
+      .put(all.size(), 4)
+      .fill(16)
+      .put(all)
+      .str();
 }
 
 std::string rawData(const Hdf5Data& data) {
@@ -128,7 +147,12 @@ class File {
     superblock.put("\x89HDF\r\n\x1a\n").put(0, 5).put(8, 1).put(8, 1).put(0, 1);
     superblock.put(leafK, 2).put(internalK, 2).put(0, 4);
     superblock.put(0, 8).put(undefined, 8).put(content_.size(), 8).put(undefined, 8);
-    superblock.put(0, 8).put(placed.header, 8).put(1, 4).put(0, 4).put(placed.tree, 8).put(placed.heap, 8);
+    superblock.put(0, 8)
+        .put(placed.header, 8)
+        .put(1, 4)
+        .put(0, 4)
+        .put(placed.tree, 8)
+        .put(placed.heap, 8);
     return superblock.str() + content_.str().substr(superblockSize);
   }
 
@@ -147,8 +171,11 @@ class File {
     const std::string raw = rawData(data);
     const Address at = raw.empty() ? undefined : append(raw);
     return append(objectHeader(
-        {message(0x0001, dataspace(data.extents)), message(0x0003, data.integers ? integerType() : floatType()),
-         message(0x0005, Bytes().put(2, 1).put(2, 1).put(2, 1).put(1, 1).put(0, 4).str()),  // fill value: the default
+        {message(0x0001, dataspace(data.extents)),
+         message(0x0003, data.integers ? integerType() : floatType()),
+         message(0x0005,
+                 Bytes().put(2, 1).put(2, 1).put(2, 1).put(1, 1).put(0, 4).str()),  // fill value:
+                                                                                    // the default
          message(0x0008, Bytes().put(3, 1).put(1, 1).put(at, 8).put(raw.size(), 8).str())}));
   }
 
@@ -157,7 +184,8 @@ class File {
     for (const Hdf5Group& inner : group.groups) symbols.push_back({inner.name, add(inner).header});
     for (const Hdf5Data& data : group.data) symbols.push_back({data.name, add(data)});
     assert(symbols.size() <= 2 * leafK);
-    std::sort(symbols.begin(), symbols.end(), [](const Symbol& a, const Symbol& b) { return a.name < b.name; });
+    std::sort(symbols.begin(), symbols.end(),
+              [](const Symbol& a, const Symbol& b) { return a.name < b.name; });
 
     Bytes names;  // of the local heap: the empty name first
     names.fill(8);
@@ -172,14 +200,16 @@ class File {
     node.fill(8 + 2 * leafK * 40);
     const Address nodeAt = append(node.str());
     const Address namesAt = append(names.str());
-    const Address heap = append(Bytes().put("HEAP").put(0, 4).put(names.size(), 8).put(1, 8).put(namesAt, 8).str());
+    const Address heap =
+        append(Bytes().put("HEAP").put(0, 4).put(names.size(), 8).put(1, 8).put(namesAt, 8).str());
     Bytes tree;
     tree.put("TREE").put(0, 2).put(symbols.empty() ? 0 : 1, 2).put(undefined, 8).put(undefined, 8);
     if (!symbols.empty()) tree.put(0, 8).put(nodeAt, 8).put(last, 8);
     tree.fill(24 + (4 * internalK + 1) * 8);
     const Address treeAt = append(tree.str());
 
-    std::vector<std::string> messages = {message(0x0011, Bytes().put(treeAt, 8).put(heap, 8).str())};
+    std::vector<std::string> messages = {
+        message(0x0011, Bytes().put(treeAt, 8).put(heap, 8).str())};
     for (const auto& [name, value] : group.attributes) messages.push_back(attribute(name, value));
     return {append(objectHeader(messages)), treeAt, heap};
   }

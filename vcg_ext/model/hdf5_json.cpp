@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // Groups and data sets stand side by side under their ids, and are linked from their groups.
 
 #include "vcg_ext/model/exact_text.h"
@@ -20,7 +21,8 @@ std::string identifier(int number) {
 std::string shapeOf(const Hdf5Data& data) {
   if (data.extents.empty()) return scalarShape;
   std::string dims;
-  for (const Eigen::Index extent : data.extents) dims += (dims.empty() ? "" : ", ") + std::to_string(extent);
+  for (const Eigen::Index extent : data.extents)
+    dims += (dims.empty() ? "" : ", ") + std::to_string(extent);
   return R"({"class": "H5S_SIMPLE", "dims": [)" + dims + "]}";
 }
 
@@ -51,7 +53,11 @@ class Document {
   static std::string attribute(const std::string& name, const std::string& value) {
     std::string text = R"({"name": ")";
     text.append(name).append(R"(", "type": )").append(stringType);
-    return text.append(R"(, "shape": )").append(scalarShape).append(R"(, "value": ")").append(value).append("\"}");
+    return text.append(R"(, "shape": )")
+        .append(scalarShape)
+        .append(R"(, "value": ")")
+        .append(value)
+        .append("\"}");
   }
 
   static std::string link(const std::string& name, const std::string& collection, int id) {
@@ -62,7 +68,9 @@ class Document {
 
   void add(const Hdf5Group& group, const std::string& path, int id) {
     std::string attributes, links;
-    const auto below = [&path](const std::string& name) { return std::string(path).append("/").append(name); };
+    const auto below = [&path](const std::string& name) {
+      return std::string(path).append("/").append(name);
+    };
     for (const auto& [name, value] : group.attributes)
       attributes.append(attributes.empty() ? "" : ", ").append(attribute(name, value));
     for (const Hdf5Group& inner : group.groups) {
@@ -73,17 +81,18 @@ class Document {
       links += (links.empty() ? "" : ", ") + link(data.name, "datasets", next_);
       addData(data, below(data.name), next_++);
     }
-    groups_ += (groups_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + (path.empty() ? "/" : path) +
-               R"("], "attributes": [)" + attributes + R"(], "links": [)" + links + "]}";
+    groups_ += (groups_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" +
+               (path.empty() ? "/" : path) + R"("], "attributes": [)" + attributes +
+               R"(], "links": [)" + links + "]}";
   }
 
   void addData(const Hdf5Data& data, const std::string& path, int id) {
     ExactText values;
     size_t next = 0;
     writeValues(values, data, 0, next);
-    data_ += (data_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + path + R"("], "type": )" +
-             (data.integers ? integerType : floatType) + R"(, "shape": )" + shapeOf(data) + R"(, "value": )" +
-             values.str() + "}";
+    data_ += (data_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + path +
+             R"("], "type": )" + (data.integers ? integerType : floatType) + R"(, "shape": )" +
+             shapeOf(data) + R"(, "value": )" + values.str() + "}";
   }
 
   std::string groups_, data_;

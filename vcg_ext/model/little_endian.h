@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Numbers as bytes, the lowest first, on any machine.
 

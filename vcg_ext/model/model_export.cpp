@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/model_export.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> endings = {".npz", ".h5", ".json", ".particles", ".ply", ".csv"};
+constexpr std::array<const char*, 6> endings = {".npz",       ".h5",  ".json",
+                                                ".particles", ".ply", ".csv"};
 
 std::string endingOf(const fs::path& path) {
   std::string ending = path.extension().u8string();
@@ -60,7 +62,8 @@ void requireExportable(const std::string& name) {
   const fs::path path = fs::u8path(name);
   const std::string ending = endingOf(path);
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-    fail(path, (ending.empty() ? "its name has no ending" : "\"" + ending + "\" is no format that is known") +
+    fail(path, (ending.empty() ? "its name has no ending"
+                               : "\"" + ending + "\" is no format that is known") +
                    "; choose one of " + modelFileEndings() + ".");
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) fail(path, "it is a folder. Name a file.");
@@ -69,7 +72,8 @@ void requireExportable(const std::string& name) {
     fail(path, "there is no folder \"" + folder.u8string() + "\". Make it first.");
 }
 
-std::vector<std::string> exportModel(const std::string& name, const ShapeModel& model, const TrainingSet& aligned) {
+std::vector<std::string> exportModel(const std::string& name, const ShapeModel& model,
+                                     const TrainingSet& aligned) {
   requireExportable(name);
   const fs::path path = fs::u8path(name);
   const std::string ending = endingOf(path);

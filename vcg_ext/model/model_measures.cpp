@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/model_measures.h"
 
 #include <algorithm>
@@ -14,7 +15,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// Standard normal numbers; std::normal_distribution differs between standard libraries. G. Marsaglia's polar method.
+/// Standard normal numbers; std::normal_distribution differs between standard libraries. G.
+/// Marsaglia's polar method.
 class NormalNumbers {
  public:
   explicit NormalNumbers(unsigned seed) : bits_(seed) {}
@@ -33,7 +35,8 @@ class NormalNumbers {
 /// Mean and standard error of values that come one by one, for several modes at once.
 class Statistics {
  public:
-  explicit Statistics(Eigen::Index modes) : mean_(Vector::Zero(modes)), squares_(Vector::Zero(modes)) {}
+  explicit Statistics(Eigen::Index modes)
+      : mean_(Vector::Zero(modes)), squares_(Vector::Zero(modes)) {}
   void add(const Vector& values) {  // B. P. Welford, 1962
     ++count_;
     const Vector difference = values - mean_;
@@ -64,16 +67,19 @@ Vector leaveOneOut(const Matrix& scores, Eigen::Index left, Eigen::Index modes) 
   const ThinSvd svd = thinSvd(rest);
   const Vector& s = svd.s;
   // What the rounding of the scores explains is no mode.
-  const double rounding = static_cast<double>(scores.rows()) * std::numeric_limits<double>::epsilon() * scores.norm();
+  const double rounding =
+      static_cast<double>(scores.rows()) * std::numeric_limits<double>::epsilon() * scores.norm();
   Vector distances(modes);
   for (Eigen::Index m = 0; m < modes; ++m) {
-    if (m < std::min(s.size(), others - 1) && s[m] > rounding) residual -= svd.u.col(m) * svd.u.col(m).dot(residual);
+    if (m < std::min(s.size(), others - 1) && s[m] > rounding)
+      residual -= svd.u.col(m) * svd.u.col(m).dot(residual);
     distances[m] = residual.norm();
   }
   return distances;
 }
 
-/// Squared distances of the shapes from their own approximations by the first 1 to `modes` modes, #K by modes.
+/// Squared distances of the shapes from their own approximations by the first 1 to `modes` modes,
+/// #K by modes.
 Matrix squaredTails(const Matrix& scores, Eigen::Index modes) {
   Matrix tails(scores.rows(), modes);
   for (Eigen::Index m = 0; m < modes; ++m)
@@ -83,12 +89,15 @@ Matrix squaredTails(const Matrix& scores, Eigen::Index modes) {
 
 }  // namespace
 
-ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes, const ModelMeasureParameters& parameters,
-                           const Progress& progress) {
+ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
+                           const ModelMeasureParameters& parameters, const Progress& progress) {
   if (parameters.samples < 1 || parameters.samples > 1'000'000)
-    throw ParameterError("The number of samples for the specificity is " + std::to_string(parameters.samples) +
+    throw ParameterError("The number of samples for the specificity is " +
+                         std::to_string(parameters.samples) +
                          ": it must lie between 1 and 1000000.");
-  if (modes < 0) throw ParameterError("The number of modes must be 0 or more; it is " + std::to_string(modes) + ".");
+  if (modes < 0)
+    throw ParameterError("The number of modes must be 0 or more; it is " + std::to_string(modes) +
+                         ".");
   modes = std::min(modes, model.modeCount());
   const double perLandmark = 1 / std::sqrt(static_cast<double>(model.mean.rows()));
 

@@ -1,4 +1,6 @@
-// A zip without compression: per member a local header and its bytes, at the end a directory (PKWARE's APPNOTE 6.3).
+// SPDX-License-Identifier: GPL-3.0-only
+// A zip without compression: per member a local header and its bytes, at the end a directory
+// (PKWARE's APPNOTE 6.3).
 
 #include <array>
 #include <limits>
@@ -12,7 +14,8 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr std::size_t largestZip = std::numeric_limits<std::uint32_t>::max() - 65536;  // leaves room for the headers
+constexpr std::size_t maxZip =
+    std::numeric_limits<std::uint32_t>::max() - 65536;  // leaves room for the headers
 
 std::uint32_t crc32(const std::string& bytes) {
   static const std::array<std::uint32_t, 256> table = [] {
@@ -25,14 +28,15 @@ std::uint32_t crc32(const std::string& bytes) {
     return made;
   }();
   std::uint32_t crc = 0xffffffffu;
-  for (const char byte : bytes) crc = table.at((crc ^ static_cast<unsigned char>(byte)) & 0xff) ^ (crc >> 8);
+  for (const char byte : bytes)
+    crc = table.at((crc ^ static_cast<unsigned char>(byte)) & 0xff) ^ (crc >> 8);
   return crc ^ 0xffffffffu;
 }
 
 class Zip {
  public:
   void add(const std::string& name, const std::string& content) {
-    if (bytes_.size() + content.size() > largestZip)
+    if (bytes_.size() + content.size() > maxZip)
       throw ExportError("The model is too large for a .npz file (4 GB). Keep fewer modes.");
     std::string common;                     // what local header and directory have in common
     appendLittleEndian(common, 20, 2);      // version that can read it
@@ -95,7 +99,7 @@ std::string npyHeader(const std::string& type, const std::vector<Eigen::Index>& 
 
 template <class Matrix>
 std::string doubles(const std::vector<Eigen::Index>& shape, const Matrix& rows) {
-  if (static_cast<std::size_t>(rows.size()) > largestZip / 8)
+  if (static_cast<std::size_t>(rows.size()) > maxZip / 8)
     throw ExportError("The model is too large for a .npz file (4 GB). Keep fewer modes.");
   std::string bytes = npyHeader("<f8", shape);
   bytes.reserve(bytes.size() + 8 * static_cast<std::size_t>(rows.size()));
@@ -110,7 +114,8 @@ std::string npzFile(const ShapeModel& model) {
   const Eigen::Index landmarks = model.mean.rows(), modes = model.modeCount();
   std::string faces = npyHeader("<i4", {model.faces.rows(), 3});
   for (Eigen::Index f = 0; f < model.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) appendLittleEndian(faces, static_cast<std::uint32_t>(model.faces(f, k)), 4);
+    for (int k = 0; k < 3; ++k)
+      appendLittleEndian(faces, static_cast<std::uint32_t>(model.faces(f, k)), 4);
   Zip zip;
   zip.add("mean.npy", doubles({landmarks, 3}, model.mean));
   zip.add("modes.npy", doubles({modes, landmarks, 3}, model.modes.transpose()));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // Every round starts from the shapes as they came, so that rounding does not add up.
 
 #include "vcg_ext/model/procrustes.h"
@@ -47,7 +48,8 @@ Fit fit(const Points& points, const Points& mean, const Eigen::VectorXd& weights
   const Eigen::Matrix3d covariance = mean.transpose() * (weights.asDiagonal() * centred);
   result.rotation = bestRotation(covariance);
   if (scaled)
-    result.scale = (result.rotation.transpose() * covariance).trace() / centred.rowwise().squaredNorm().dot(weights);
+    result.scale = (result.rotation.transpose() * covariance).trace() /
+                   centred.rowwise().squaredNorm().dot(weights);
   return result;
 }
 
@@ -60,8 +62,8 @@ void requireSize(const TrainingSet& shapes) {
   for (const auto& [name, landmarks] : shapes.shapes())
     if (!(centroidSize(landmarks, equal) > 1e-12 * landmarks.cwiseAbs().maxCoeff()))
       throw ParameterError("Shape \"" + name +
-                           "\": all its landmarks lie in one place, so it cannot be scaled to the others. Hide the "
-                           "layer, or align rigidly.");
+                           "\": all its landmarks lie in one place, so it cannot be scaled to the "
+                           "others. Hide the layer, or align rigidly.");
 }
 
 Points average(const std::vector<TrainingSet::Shape>& shapes) {
@@ -73,10 +75,11 @@ Points average(const std::vector<TrainingSet::Shape>& shapes) {
 }  // namespace
 
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters) {
-  if (!(parameters.tolerance > 0)) throw ParameterError("The tolerance of the alignment must be positive.");
+  if (!(parameters.tolerance > 0))
+    throw ParameterError("The tolerance of the alignment must be positive.");
   if (parameters.iterations < 1)
-    throw ParameterError("The number of alignment iterations is " + std::to_string(parameters.iterations) +
-                         ": it must be 1 or more.");
+    throw ParameterError("The number of alignment iterations is " +
+                         std::to_string(parameters.iterations) + ": it must be 1 or more.");
   const std::vector<TrainingSet::Shape>& given = shapes.shapes();
   if (parameters.alignment == Alignment::None) return {shapes, average(given), 0, true};
   const bool scaled = parameters.alignment == Alignment::Similarity;

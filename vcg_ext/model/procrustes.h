@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Generalised Procrustes alignment: pose, and size where asked for, are taken out of a set of corresponding shapes.
-/// J. C. Gower, Generalized Procrustes analysis, 1975; C. Goodall, Procrustes methods in the statistical analysis of
-/// shape, 1991; I. L. Dryden and K. V. Mardia, Statistical shape analysis, 1998, chapter 5 (full Procrustes mean).
+/// Generalised Procrustes alignment: pose, and size where asked for, are taken out of a set of
+/// corresponding shapes. J. C. Gower, Generalized Procrustes analysis, 1975; C. Goodall, Procrustes
+/// methods in the statistical analysis of shape, 1991; I. L. Dryden and K. V. Mardia, Statistical
+/// shape analysis, 1998, chapter 5 (full Procrustes mean).
 
 #include "vcg_ext/model/training_set.h"
 
@@ -15,12 +17,14 @@ enum class Alignment {
 
 struct ProcrustesParameters {
   Alignment alignment = Alignment::Similarity;
-  /// Each landmark weighs a third of the area of the faces around it on the mean shape (which is computed along), so
-  /// that dense regions do not count more; else all weigh the same.
+  /// Each landmark weighs a third of the area of the faces around it on the mean shape (which is
+  /// computed along), so that dense regions do not count more; else all weigh the same.
   bool areaWeights = false;
-  /// Converged when the mean moves by less than this share of its size (root mean square over the landmarks).
+  /// Converged when the mean moves by less than this share of its size (root mean square over the
+  /// landmarks).
   double tolerance = 1e-13;
-  int iterations = 1000;  ///< at most; the share of variance in the size decides how many are needed, usually 5 to 20
+  int iterations = 1000;  ///< at most; the share of variance in the size decides how many are
+                          ///< needed, usually 5 to 20
 };
 
 struct Aligned {
@@ -30,17 +34,20 @@ struct Aligned {
   bool converged = false;  ///< whether the tolerance was reached
 };
 
-/// Finds for each shape x_i a proper rotation R_i, a translation t_i and, for Similarity, a scale s_i > 0 that minimise
+/// Finds for each shape x_i a proper rotation R_i, a translation t_i and, for Similarity, a scale
+/// s_i > 0 that minimise
 ///   sum_i sum_j w_j |s_i R_i x_ij + t_i - m_j|^2,    m the average of the moved shapes,
-/// the mean's size being fixed (else all would shrink to a point). Solved by turns: every shape is fitted to the mean
-/// (W. Kabsch, 1976; S. Umeyama, 1991), the mean is the average of the fitted shapes, from the first shape on.
+/// the mean's size being fixed (else all would shrink to a point). Solved by turns: every shape is
+/// fitted to the mean (W. Kabsch, 1976; S. Umeyama, 1991), the mean is the average of the fitted
+/// shapes, from the first shape on.
 ///
-/// The minimum leaves the frame free. It is fixed so: orientation and centroid are those of the first shape; with
-/// Similarity the mean's centroid size, sqrt(sum_j w_j |m_j - centroid|^2), is the average of the shapes' centroid
-/// sizes. So eigenvalues do not depend on the pose of any shape, and with Similarity, but for that common unit, on its
-/// size.
+/// The minimum leaves the frame free. It is fixed so: orientation and centroid are those of the
+/// first shape; with Similarity the mean's centroid size, sqrt(sum_j w_j |m_j - centroid|^2), is
+/// the average of the shapes' centroid sizes. So eigenvalues do not depend on the pose of any
+/// shape, and with Similarity, but for that common unit, on its size.
 ///
-/// Throws ParameterError when a parameter is out of range, or a shape has all its landmarks in one place (Similarity).
+/// Throws ParameterError when a parameter is out of range, or a shape has all its landmarks in one
+/// place (Similarity).
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters = {});
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/shape_model.h"
 
 #include <algorithm>
@@ -12,7 +13,9 @@ using Vector = Eigen::VectorXd;
 
 Eigen::Map<const Vector> asVector(const Points& points) { return {points.data(), points.size()}; }
 
-Points asPoints(const Vector& vector) { return Eigen::Map<const Points>(vector.data(), vector.size() / 3, 3); }
+Points asPoints(const Vector& vector) {
+  return Eigen::Map<const Points>(vector.data(), vector.size() / 3, 3);
+}
 
 /// -1 where the mode points away from its convention.
 double signOf(const Eigen::Ref<const Vector>& mode) {
@@ -24,7 +27,9 @@ double signOf(const Eigen::Ref<const Vector>& mode) {
 
 }  // namespace
 
-Points ShapeModel::shape(const Vector& b) const { return mean + asPoints(modes.leftCols(b.size()) * b); }
+Points ShapeModel::shape(const Vector& b) const {
+  return mean + asPoints(modes.leftCols(b.size()) * b);
+}
 
 Points ShapeModel::shape(Eigen::Index mode, double deviations) const {
   return mean + asPoints(modes.col(mode) * (deviations * std::sqrt(eigenvalues[mode])));
@@ -32,7 +37,8 @@ Points ShapeModel::shape(Eigen::Index mode, double deviations) const {
 
 ShapeModel ShapeModel::truncated(Eigen::Index count) const {
   const Eigen::Index kept = std::min(count, modeCount());
-  return {mean, faces, modes.leftCols(kept), eigenvalues.head(kept), scores.leftCols(kept), totalVariance, names};
+  return {mean,          faces, modes.leftCols(kept), eigenvalues.head(kept), scores.leftCols(kept),
+          totalVariance, names};
 }
 
 ShapeModel buildShapeModel(const TrainingSet& set, double epsilon) {
@@ -48,7 +54,8 @@ ShapeModel buildShapeModel(const TrainingSet& set, double epsilon) {
   }
   Eigen::MatrixXd deviations(size, shapes);
   for (Eigen::Index k = 0; k < shapes; ++k)
-    deviations.col(k) = asVector(set.shapes()[static_cast<size_t>(k)].landmarks) - asVector(model.mean);
+    deviations.col(k) =
+        asVector(set.shapes()[static_cast<size_t>(k)].landmarks) - asVector(model.mean);
 
   const ThinSvd svd = thinSvd(deviations);
   const Vector& s = svd.s;

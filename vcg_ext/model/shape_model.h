@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// A statistical shape model: the mean of corresponding shapes and the orthogonal modes in which they vary.
-/// T. F. Cootes, C. J. Taylor, D. H. Cooper and J. Graham, Active shape models: their training and application, 1995;
-/// step 5 of M. Kirschner and S. Wesarg, Propagation of shape parameterisation for the construction of a statistical
-/// shape model of the left ventricle.
+/// A statistical shape model: the mean of corresponding shapes and the orthogonal modes in which
+/// they vary. T. F. Cootes, C. J. Taylor, D. H. Cooper and J. Graham, Active shape models: their
+/// training and application, 1995; step 5 of M. Kirschner and S. Wesarg, Propagation of shape
+/// parameterisation for the construction of a statistical shape model of the left ventricle.
 
 #include <limits>
 #include <string>
@@ -14,12 +15,13 @@ namespace sphere_propagation {
 
 /// Shape vectors are x0 y0 z0 x1 y1 z1 ..., as Points lie in memory.
 struct ShapeModel {
-  Points mean;                     ///< #N by 3
-  Triangles faces;                 ///< #F by 3
-  Eigen::MatrixXd modes;           ///< 3 #N by #M, orthonormal columns, by falling eigenvalue
-  Eigen::VectorXd eigenvalues;     ///< #M, variances along the modes: divisor #K - 1, in the unit of length squared
-  Eigen::MatrixXd scores;          ///< #K by #M: row k = modes^T (shape k - mean), in the unit of length
-  double totalVariance = 0;        ///< sum of all eigenvalues, also of modes that are left out
+  Points mean;                  ///< #N by 3
+  Triangles faces;              ///< #F by 3
+  Eigen::MatrixXd modes;        ///< 3 #N by #M, orthonormal columns, by falling eigenvalue
+  Eigen::VectorXd eigenvalues;  ///< #M, variances along the modes: divisor #K - 1, in the unit of
+                                ///< length squared
+  Eigen::MatrixXd scores;    ///< #K by #M: row k = modes^T (shape k - mean), in the unit of length
+  double totalVariance = 0;  ///< sum of all eigenvalues, also of modes that are left out
   std::vector<std::string> names;  ///< of the #K shapes
 
   Eigen::Index modeCount() const { return eigenvalues.size(); }
@@ -32,16 +34,18 @@ struct ShapeModel {
   ShapeModel truncated(Eigen::Index modeCount) const;
 };
 
-/// Principal component analysis of the shapes as they are (align them first), all modes: #K - 1, fewer where the
-/// shapes span less, none where they are identical.
+/// Principal component analysis of the shapes as they are (align them first), all modes: #K - 1,
+/// fewer where the shapes span less, none where they are identical.
 ///
-/// X = (x_1 - mean, ..., x_K - mean) = U S V^T is taken apart by a thin singular value decomposition, which costs as
-/// little as the #K by #K Gram matrix for #K << 3 #N and does not square the condition; modes U, eigenvalues
-/// S^2 / (#K - 1), scores V S. Left out are modes whose S is explained by the rounding of coordinates: at most
-/// 8 sqrt(#K) epsilon times the largest length of a shape vector.
-/// Signs: the entry of largest size in a mode is positive (the first one among such within 1e-6).
+/// X = (x_1 - mean, ..., x_K - mean) = U S V^T is taken apart by a thin singular value
+/// decomposition, which costs as little as the #K by #K Gram matrix for #K << 3 #N and does not
+/// square the condition; modes U, eigenvalues S^2 / (#K - 1), scores V S. Left out are modes whose
+/// S is explained by the rounding of coordinates: at most 8 sqrt(#K) epsilon times the largest
+/// length of a shape vector. Signs: the entry of largest size in a mode is positive (the first one
+/// among such within 1e-6).
 ///
 /// epsilon: the relative precision in which the coordinates were stored.
-ShapeModel buildShapeModel(const TrainingSet& shapes, double epsilon = std::numeric_limits<double>::epsilon());
+ShapeModel buildShapeModel(const TrainingSet& shapes,
+                           double epsilon = std::numeric_limits<double>::epsilon());
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,9 +20,12 @@ std::vector<double> values(const Eigen::DenseBase<Derived>& rows) {
 
 /// model/mean, pcaBasis, ...; representer/points, cells; modelinfo/scores: docs/shape_model.md.
 Hdf5Group statismoTree(const ShapeModel& model) {
-  const Eigen::Index landmarks = model.mean.rows(), modes = model.modeCount(), shapes = model.scores.rows();
-  const Eigen::MatrixXd scores = model.eigenvalues.cwiseSqrt().cwiseInverse().asDiagonal() * model.scores.transpose();
-  Hdf5Group version{"version", {}, {}, {{"majorVersion", {}, true, {0}}, {"minorVersion", {}, true, {9}}}};
+  const Eigen::Index landmarks = model.mean.rows(), modes = model.modeCount(),
+                     shapes = model.scores.rows();
+  const Eigen::MatrixXd scores =
+      model.eigenvalues.cwiseSqrt().cwiseInverse().asDiagonal() * model.scores.transpose();
+  Hdf5Group version{
+      "version", {}, {}, {{"majorVersion", {}, true, {0}}, {"minorVersion", {}, true, {9}}}};
   Hdf5Group pca{"model",
                 {},
                 {},
@@ -29,16 +33,18 @@ Hdf5Group statismoTree(const ShapeModel& model) {
                  {"pcaBasis", {3 * landmarks, modes}, false, values(model.modes)},
                  {"pcaVariance", {modes}, false, values(model.eigenvalues)},
                  {"noiseVariance", {1}, false, {0}}}};
-  Hdf5Group representer{"representer",
-                        {{"name", "itkStandardMeshRepresenter"},
-                         {"version/majorVersion", "0"},
-                         {"version/minorVersion", "9"},
-                         {"datasetType", "POLYGON_MESH"}},
-                        {},
-                        {{"points", {3, landmarks}, false, values(model.mean.transpose())},
-                         {"cells", {3, model.faces.rows()}, true, values(model.faces.transpose())}}};
+  Hdf5Group representer{
+      "representer",
+      {{"name", "itkStandardMeshRepresenter"},
+       {"version/majorVersion", "0"},
+       {"version/minorVersion", "9"},
+       {"datasetType", "POLYGON_MESH"}},
+      {},
+      {{"points", {3, landmarks}, false, values(model.mean.transpose())},
+       {"cells", {3, model.faces.rows()}, true, values(model.faces.transpose())}}};
   Hdf5Group info{"modelinfo", {}, {}, {{"scores", {modes, shapes}, false, values(scores)}}};
-  return {"", {}, {std::move(version), std::move(pca), std::move(representer), std::move(info)}, {}};
+  return {
+      "", {}, {std::move(version), std::move(pca), std::move(representer), std::move(info)}, {}};
 }
 
 }  // namespace

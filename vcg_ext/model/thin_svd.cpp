@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/thin_svd.h"
 
 #include <Eigen/SVD>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// The thin singular value decomposition, compiled once: Eigen's takes a compiler long.
 
@@ -5,7 +6,8 @@
 
 namespace sphere_propagation {
 
-/// matrix = u diag(s) v^T with n = min(#R, #C): u #R by n and v #C by n with orthonormal columns, s falling, >= 0.
+/// matrix = u diag(s) v^T with n = min(#R, #C): u #R by n and v #C by n with orthonormal columns, s
+/// falling, >= 0.
 struct ThinSvd {
   Eigen::MatrixXd u;
   Eigen::VectorXd s;

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The shapes that a model is built from. Correspondence is a property of the type: whatever takes a TrainingSet need
-/// not check again that landmark j is there on every shape.
+/// The shapes that a model is built from. Correspondence is a property of the type: whatever takes
+/// a TrainingSet need not check again that landmark j is there on every shape.
 
 #include <string>
 #include <vector>
@@ -16,8 +17,8 @@ class TrainingSet {
     Points landmarks;  ///< #N by 3
   };
 
-  /// shapes: two or more, with as many landmarks each, at least one, all finite; faces: #F by 3, common to all.
-  /// Throws ParameterError, which names the shapes concerned.
+  /// shapes: two or more, with as many landmarks each, at least one, all finite; faces: #F by 3,
+  /// common to all. Throws ParameterError, which names the shapes concerned.
   TrainingSet(std::vector<Shape> shapes, Triangles faces);
 
   const std::vector<Shape>& shapes() const { return shapes_; }

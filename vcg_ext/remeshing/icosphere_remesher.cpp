@@ -1,15 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/remeshing/icosphere_remesher.h"
 
 #include <algorithm>
 
-#include "vcg_ext/map/sphere_walk.h"
 #include "vcg_ext/mesh/surface_locator.h"
+#include "vcg_ext/sphere/sphere_walk.h"
 
 namespace sphere_propagation {
 namespace {
 
 /// For each vertex of the surface the face of the icosphere under its position on the sphere.
-std::vector<int> icosphereFaces(const ClosedSurface& surface, const SphereMap& map, const ClosedSurface& sphere) {
+std::vector<int> icosphereFaces(const ClosedSurface& surface, const SphereMap& map,
+                                const ClosedSurface& sphere) {
   std::vector<int> under(static_cast<size_t>(surface.vertexCount()), -1);
   for (int v = 0; v < surface.vertexCount(); ++v) {
     int start = v > 0 ? under[static_cast<size_t>(v - 1)] : 0;
@@ -18,7 +20,8 @@ std::vector<int> icosphereFaces(const ClosedSurface& surface, const SphereMap& m
         start = under[static_cast<size_t>(neighbour)];
         break;
       }
-    under[static_cast<size_t>(v)] = walkOverSphere(sphere, sphere.vertices(), map.position(v), start);
+    under[static_cast<size_t>(v)] =
+        walkOverSphere(sphere, sphere.vertices(), map.position(v), start);
   }
   return under;
 }
@@ -30,7 +33,8 @@ IcosphereRemesher::IcosphereRemesher(int frequency)
       connected_(sphere_.vertices, sphere_.faces),
       order_(SurfaceLocator(sphere_.vertices, sphere_.faces).order()),
       rank_(order_.size()) {
-  for (size_t i = 0; i < order_.size(); ++i) rank_[static_cast<size_t>(order_[i])] = static_cast<int>(i);
+  for (size_t i = 0; i < order_.size(); ++i)
+    rank_[static_cast<size_t>(order_[i])] = static_cast<int>(i);
 }
 
 Remeshed IcosphereRemesher::remesh(const ClosedSurface& surface, const SphereMap& map) const {
@@ -44,7 +48,8 @@ SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const Clos
   hints.landmarkFaces = order_;
   hints.nearVertex = icosphereFaces(surface, map, connected_);
 
-  // The surface's faces in the order of the icosphere's faces under their first corners: a counting sort.
+  // The surface's faces in the order of the icosphere's faces under their first corners: a counting
+  // sort.
   const auto rankOf = [&](int f) {
     return static_cast<size_t>(
         rank_[static_cast<size_t>(hints.nearVertex[static_cast<size_t>(surface.faces()(f, 0))])]);
@@ -54,7 +59,8 @@ SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const Clos
   for (size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<int> next(begin.begin(), begin.end() - 1);
   hints.surfaceFaces.resize(static_cast<size_t>(surface.faceCount()));
-  for (int f = 0; f < surface.faceCount(); ++f) hints.surfaceFaces[static_cast<size_t>(next[rankOf(f)]++)] = f;
+  for (int f = 0; f < surface.faceCount(); ++f)
+    hints.surfaceFaces[static_cast<size_t>(next[rankOf(f)]++)] = f;
 
   hints.nearCentroid.resize(order_.size());
   for (size_t i = 0; i < order_.size(); ++i) {
@@ -63,7 +69,8 @@ SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const Clos
     hints.nearCentroid[face] =
         begin[i] < begin[i + 1]
             ? hints.surfaceFaces[static_cast<size_t>(middle)]
-            : remeshed.faces[static_cast<size_t>(sphere_.faces(static_cast<Eigen::Index>(face), 0))];
+            : remeshed
+                  .faces[static_cast<size_t>(sphere_.faces(static_cast<Eigen::Index>(face), 0))];
   }
   return surfaceDistance(remeshed.landmarks, sphere_.faces, surface, hints);
 }

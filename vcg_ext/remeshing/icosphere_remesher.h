@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Remeshing of many surfaces by one icosphere: what is the same for all is made once.
 
@@ -20,10 +21,11 @@ class IcosphereRemesher {
   /// remesh by the vertices of the icosphere.
   Remeshed remesh(const ClosedSurface& surface, const SphereMap& map) const;
 
-  /// surfaceDistance between a surface and the landmarks that remesh made of it. The map tells where to look: the
-  /// closest point lies near the one under the same direction, and the icosphere's order of faces is one of the
-  /// surface's, too, so that no tree has to be sorted.
-  SurfaceDistance distance(const Remeshed& remeshed, const ClosedSurface& surface, const SphereMap& map) const;
+  /// surfaceDistance between a surface and the landmarks that remesh made of it. The map tells
+  /// where to look: the closest point lies near the one under the same direction, and the
+  /// icosphere's order of faces is one of the surface's, too, so that no tree has to be sorted.
+  SurfaceDistance distance(const Remeshed& remeshed, const ClosedSurface& surface,
+                           const SphereMap& map) const;
 
  private:
   Icosphere sphere_;

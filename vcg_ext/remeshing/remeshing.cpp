@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/remeshing/remeshing.h"
 
 #include <algorithm>
 
-#include "vcg_ext/map/sphere_walk.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/surface_locator.h"
+#include "vcg_ext/sphere/sphere_walk.h"
 
 namespace sphere_propagation {
 namespace {
@@ -25,11 +26,14 @@ class Samples {
   double weights_ = 0, sum_ = 0, max_ = 0;
 };
 
-SurfaceLocator locatorOf(const Points& vertices, const Triangles& faces, const std::vector<int>& order) {
+SurfaceLocator locatorOf(const Points& vertices, const Triangles& faces,
+                         const std::vector<int>& order) {
   return order.empty() ? SurfaceLocator(vertices, faces) : SurfaceLocator(vertices, faces, order);
 }
 
-int hint(const std::vector<int>& hints, Eigen::Index i) { return hints.empty() ? -1 : hints[static_cast<size_t>(i)]; }
+int hint(const std::vector<int>& hints, Eigen::Index i) {
+  return hints.empty() ? -1 : hints[static_cast<size_t>(i)];
+}
 
 }  // namespace
 
@@ -46,18 +50,22 @@ Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points
   return result;
 }
 
-SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces, const ClosedSurface& surface,
-                                const DistanceHints& hints) {
+SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces,
+                                const ClosedSurface& surface, const DistanceHints& hints) {
   const Eigen::VectorXd area = faceAreas(landmarks, faces);
   const Eigen::VectorXd landmarkArea = vertexAreas(landmarks, faces);
-  const SurfaceLocator onSurface = locatorOf(surface.vertices(), surface.faces(), hints.surfaceFaces);
+  const SurfaceLocator onSurface =
+      locatorOf(surface.vertices(), surface.faces(), hints.surfaceFaces);
   Samples there;
   for (Eigen::Index j = 0; j < landmarks.rows(); ++j)
-    there.add(landmarkArea[j] / 4,
-              hints.landmarksOnSurface ? 0 : onSurface.closest(landmarks.row(j).transpose()).distance);
+    there.add(landmarkArea[j] / 4, hints.landmarksOnSurface
+                                       ? 0
+                                       : onSurface.closest(landmarks.row(j).transpose()).distance);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const Vector3 centroid =
-        (landmarks.row(faces(f, 0)) + landmarks.row(faces(f, 1)) + landmarks.row(faces(f, 2))).transpose() / 3;
+        (landmarks.row(faces(f, 0)) + landmarks.row(faces(f, 1)) + landmarks.row(faces(f, 2)))
+            .transpose() /
+        3;
     there.add(area[f] * 3 / 4, onSurface.closest(centroid, hint(hints.nearCentroid, f)).distance);
   }
 
@@ -65,7 +73,8 @@ SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces,
   const Eigen::VectorXd surfaceArea = vertexAreas(surface.vertices(), surface.faces());
   Samples back;
   for (int v = 0; v < surface.vertexCount(); ++v)
-    back.add(surfaceArea[v], onLandmarks.closest(surface.vertex(v), hint(hints.nearVertex, v)).distance);
+    back.add(surfaceArea[v],
+             onLandmarks.closest(surface.vertex(v), hint(hints.nearVertex, v)).distance);
 
   return {(there.mean() + back.mean()) / 2, std::max(there.max(), back.max())};
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/digital_topology.h"
 
 #include <algorithm>
@@ -41,7 +42,9 @@ class Steps {
   std::vector<std::ptrdiff_t> faces_, facesAndEdges_, around_;
 };
 
-size_t stepped(size_t i, std::ptrdiff_t step) { return static_cast<size_t>(static_cast<std::ptrdiff_t>(i) + step); }
+size_t stepped(size_t i, std::ptrdiff_t step) {
+  return static_cast<size_t>(static_cast<std::ptrdiff_t>(i) + step);
+}
 
 /// Calls visit(index) for the voxels of the grid's border.
 template <class Visit>
@@ -57,7 +60,9 @@ void forBorder(const Mask& mask, const Visit& visit) {
 void requireFreeBorder(const Mask& mask) {
   bool good = mask.size.minCoeff() > 0 && mask.inside.size() == mask.index(0, 0, mask.size[2]);
   if (good) forBorder(mask, [&](size_t i) { good = good && mask.inside[i] == 0; });
-  if (!good) throw ParameterError("Topology of a mask: its border must be outside, and it must have voxels.");
+  if (!good)
+    throw ParameterError(
+        "Topology of a mask: its border must be outside, and it must have voxels.");
 }
 
 /// The parts of the inside: the voxels of each, in the order of their first voxels.
@@ -81,8 +86,8 @@ std::vector<std::vector<size_t>> partsOf(const Mask& mask) {
   return parts;
 }
 
-/// For each pattern of the eight corners of a cell, the curves in which the mask's surface cuts the cell's faces: on a
-/// sphere, one less than there are regions.
+/// For each pattern of the eight corners of a cell, the curves in which the mask's surface cuts the
+/// cell's faces: on a sphere, one less than there are regions.
 std::array<int, 256> countCurves() {
   std::array<int, 256> curves{};
   for (unsigned pattern = 0; pattern < 256; ++pattern) {
@@ -110,13 +115,19 @@ std::array<int, 256> countCurves() {
   return curves;
 }
 
-/// A set of voxels that grows by simple points. `mask` is where it is now: the set itself, or, when it grows inwards,
-/// all that it is not.
+/// A set of voxels that grows by simple points. `mask` is where it is now: the set itself, or, when
+/// it grows inwards, all that it is not.
 class Front {
  public:
-  /// wanted: the voxels that may join (they have the value `from` in the mask). order: the largest joins first.
+  /// wanted: the voxels that may join (they have the value `from` in the mask). order: the largest
+  /// joins first.
   Front(Mask& mask, const std::vector<float>& order, float sign, const Progress& progress)
-      : mask_(mask), steps_(mask), order_(order), sign_(sign), progress_(progress), wanted_(mask.inside.size(), 0) {}
+      : mask_(mask),
+        steps_(mask),
+        order_(order),
+        sign_(sign),
+        progress_(progress),
+        wanted_(mask.inside.size(), 0) {}
 
   std::vector<std::uint8_t>& wanted() { return wanted_; }
 
@@ -136,11 +147,13 @@ class Front {
       const size_t i = queue_.top().index;
       queue_.pop();
       wanted_[i] = 1;
-      if (!isSimple(steps_.neighbourhood(mask_, i))) continue;  // comes again when something changes round it
+      if (!isSimple(steps_.neighbourhood(mask_, i)))
+        continue;  // comes again when something changes round it
       mask_.inside[i] ^= 1;
       wanted_[i] = 0;
       considerAround(i);
-      if (++joined % 65536 == 0) report(progress_, static_cast<double>(joined) / static_cast<double>(total));
+      if (++joined % 65536 == 0)
+        report(progress_, static_cast<double>(joined) / static_cast<double>(total));
     }
   }
 
@@ -164,8 +177,8 @@ class Front {
 };
 
 /// Outwards from the deepest voxel of each part.
-Mask grown(const Mask& mask, const std::vector<std::vector<size_t>>& parts, const std::vector<float>& depth,
-           const Progress& progress) {
+Mask grown(const Mask& mask, const std::vector<std::vector<size_t>>& parts,
+           const std::vector<float>& depth, const Progress& progress) {
   Mask result(mask.size);
   Front front(result, depth, 1, progress);
   front.wanted() = mask.inside;
@@ -189,12 +202,14 @@ Mask shrunk(const Mask& mask, const std::vector<float>& depth, const Progress& p
   std::fill(result.inside.begin(), result.inside.end(), std::uint8_t{1});
   forBorder(result, [&](size_t i) { result.inside[i] = 0; });
   Front front(result, depth, -1, progress);
-  for (size_t i = 0; i < mask.inside.size(); ++i) front.wanted()[i] = result.inside[i] != 0 && mask.inside[i] == 0;
+  for (size_t i = 0; i < mask.inside.size(); ++i)
+    front.wanted()[i] = result.inside[i] != 0 && mask.inside[i] == 0;
   const Eigen::Vector3i n = mask.size;
   for (int k = 1; k < n[2] - 1; ++k)
     for (int j = 1; j < n[1] - 1; ++j) {
       const bool all = k == 1 || j == 1 || k == n[2] - 2 || j == n[1] - 2;
-      for (int i = 1; i < n[0] - 1; i += all || n[0] <= 3 ? 1 : n[0] - 3) front.consider(result.index(i, j, k));
+      for (int i = 1; i < n[0] - 1; i += all || n[0] <= 3 ? 1 : n[0] - 3)
+        front.consider(result.index(i, j, k));
     }
   front.run();
   return result;
@@ -213,8 +228,8 @@ DroppedParts keepLargestPart(Mask& mask) {
   const auto parts = partsOf(mask);
   DroppedParts dropped;
   if (parts.size() < 2) return dropped;
-  const auto largest =
-      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const auto largest = std::max_element(
+      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (auto part = parts.begin(); part != parts.end(); ++part) {
     if (part == largest) continue;
     ++dropped.parts;
@@ -227,8 +242,8 @@ DroppedParts keepLargestPart(Mask& mask) {
 long fillCavities(Mask& mask) {
   requireFreeBorder(mask);
   const Steps steps(mask);
-  // The outside is flooded from the border. A voxel of the border has neighbours beyond the grid: those are not
-  // followed.
+  // The outside is flooded from the border. A voxel of the border has neighbours beyond the grid:
+  // those are not followed.
   Mask closed = mask;
   std::vector<size_t> open;
   forBorder(mask, [&](size_t i) { closed.inside[i] = 1; });
@@ -241,7 +256,8 @@ long fillCavities(Mask& mask) {
   for (int k = 1; k < n[2] - 1; ++k)
     for (int j = 1; j < n[1] - 1; ++j) {
       const bool all = k == 1 || j == 1 || k == n[2] - 2 || j == n[1] - 2;
-      for (int i = 1; i < n[0] - 1; i += all || n[0] <= 3 ? 1 : n[0] - 3) visit(mask.index(i, j, k));
+      for (int i = 1; i < n[0] - 1; i += all || n[0] <= 3 ? 1 : n[0] - 3)
+        visit(mask.index(i, j, k));
     }
   while (!open.empty()) {
     const size_t i = open.back();
@@ -257,15 +273,18 @@ long fillCavities(Mask& mask) {
 long surfaceEulerCharacteristic(const Mask& mask) {
   requireFreeBorder(mask);
   static const std::array<int, 256> curves = countCurves();
-  // Marching cubes has a vertex on each of the E cut edges of the grid; a cell with e cut edges and c curves has e - 2
-  // c triangles, and each edge bounds four cells: V - F / 2 = E - (4 E - 2 C) / 2 = C - E.
+  // Marching cubes has a vertex on each of the E cut edges of the grid; a cell with e cut edges and
+  // c curves has e - 2 c triangles, and each edge bounds four cells: V - F / 2 = E - (4 E - 2 C) /
+  // 2 = C - E.
   long sum = 0;
-  const auto row = static_cast<size_t>(mask.size[0]), slice = row * static_cast<size_t>(mask.size[1]);
+  const auto row = static_cast<size_t>(mask.size[0]),
+             slice = row * static_cast<size_t>(mask.size[1]);
   for (int k = 0; k + 1 < mask.size[2]; ++k)
     for (int j = 0; j + 1 < mask.size[1]; ++j) {
       const std::uint8_t* a = mask.inside.data() + mask.index(0, j, k);
       const auto column = [&](size_t i) {  // the four corners of a cell at one x, on the even bits
-        return static_cast<unsigned>(a[i] | a[i + row] << 2 | a[i + slice] << 4 | a[i + row + slice] << 6);
+        return static_cast<unsigned>(a[i] | a[i + row] << 2 | a[i + slice] << 4 |
+                                     a[i + row + slice] << 6);
       };
       unsigned left = column(0);
       for (size_t i = 0; i + 1 < row; ++i) {
@@ -282,7 +301,8 @@ long surfaceEulerCharacteristic(const Mask& mask) {
   return sum;
 }
 
-RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth, const Progress& progress) {
+RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth,
+                             const Progress& progress) {
   RemovedHandles removed;
   const auto parts = partsOf(mask);
   // Without cavities there is one surface per part; each adds 2 - 2 genus.

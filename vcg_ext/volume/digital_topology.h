@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// Parts, cavities and handles of binary images, and their removal.
 ///
-/// Inside voxels are connected through faces, outside ones through faces and edges; see simple_point.h. Every function
-/// wants a mask whose border is outside (one voxel suffices) and throws ParameterError for another.
+/// Inside voxels are connected through faces, outside ones through faces and edges; see
+/// simple_point.h. Every function wants a mask whose border is outside (one voxel suffices) and
+/// throws ParameterError for another.
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/volume/mask.h"
@@ -21,8 +23,8 @@ DroppedParts keepLargestPart(Mask& mask);
 /// Fills what the mask encloses completely. Returns the number of voxels filled.
 long fillCavities(Mask& mask);
 
-/// The Euler characteristic of the surface of the mask (that of marchingCubes with FaceRule::SeparateInside): the sum
-/// over its components of 2 - 2 genus.
+/// The Euler characteristic of the surface of the mask (that of marchingCubes with
+/// FaceRule::SeparateInside): the sum over its components of 2 - 2 genus.
 long surfaceEulerCharacteristic(const Mask& mask);
 
 /// What removeHandles did.
@@ -33,22 +35,24 @@ struct RemovedHandles {
   long changedVoxels = 0;
 };
 
-/// Makes every part of the mask a ball in the sense of topology: no handles, no cavities; the number of parts stays. A
-/// mask that is so already is not touched.
+/// Makes every part of the mask a ball in the sense of topology: no handles, no cavities; the
+/// number of parts stays. A mask that is so already is not touched.
 ///
-/// Fronts of simple points: from the deepest voxel of each part outwards, deepest first, as far as the mask goes, which
-/// cuts the handles where they are thinnest; or, for one part, from a box round it inwards, farthest first, as far as
-/// the mask allows, which fills them by membranes. Whichever changes fewer voxels (cutting when equal). The topology
-/// of a front never changes, so the result has that of the seed.
-/// S. Bischoff and L. Kobbelt, Isosurface reconstruction with topology control, Pacific Graphics 2002; X. Han, C. Xu
-/// and J. L. Prince, A topology preserving level set method for geometric deformable models, 2003.
+/// Fronts of simple points: from the deepest voxel of each part outwards, deepest first, as far as
+/// the mask goes, which cuts the handles where they are thinnest; or, for one part, from a box
+/// round it inwards, farthest first, as far as the mask allows, which fills them by membranes.
+/// Whichever changes fewer voxels (cutting when equal). The topology of a front never changes, so
+/// the result has that of the seed. S. Bischoff and L. Kobbelt, Isosurface reconstruction with
+/// topology control, Pacific Graphics 2002; X. Han, C. Xu and J. L. Prince, A topology preserving
+/// level set method for geometric deformable models, 2003.
 ///
 /// depth: one value per voxel, the larger the deeper inside (a signed distance).
-RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth, const Progress& progress = {});
+RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth,
+                             const Progress& progress = {});
 
-/// Moves the mask towards the voxels with a positive value, by simple points only, each voxel at most once and only
-/// where it was simple to begin with: the topology stays, and what is one voxel thin is not eaten up from its rim.
-/// values: one per voxel; the largest in size move first.
+/// Moves the mask towards the voxels with a positive value, by simple points only, each voxel at
+/// most once and only where it was simple to begin with: the topology stays, and what is one voxel
+/// thin is not eaten up from its rim. values: one per voxel; the largest in size move first.
 void moveBySimplePoints(Mask& mask, const std::vector<float>& values);
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // P. F. Felzenszwalb, D. P. Huttenlocher, Distance transforms of sampled functions, 2012.
 
 #include "vcg_ext/volume/distance_transform.h"
@@ -52,15 +53,18 @@ class LineTransform {
 };
 
 /// Squared distance to the nearest voxel of the kind `feature`.
-std::vector<float> squaredDistance(const Mask& mask, const Vector3& spacing, int dimensions, bool feature) {
+std::vector<float> squaredDistance(const Mask& mask, const Vector3& spacing, int dimensions,
+                                   bool feature) {
   std::vector<float> distance(mask.inside.size());
-  for (size_t i = 0; i < distance.size(); ++i) distance[i] = (mask.inside[i] != 0) == feature ? 0.0F : infinity;
+  for (size_t i = 0; i < distance.size(); ++i)
+    distance[i] = (mask.inside[i] != 0) == feature ? 0.0F : infinity;
   size_t stride = 1;
   for (int axis = 0; axis < dimensions; ++axis) {
     const auto n = static_cast<size_t>(mask.size[axis]);
     LineTransform transform(mask.size[axis], spacing[axis]);
     for (size_t block = 0; block < distance.size(); block += stride * n)
-      for (size_t start = block; start < block + stride; ++start) transform(&distance[start], stride);
+      for (size_t start = block; start < block + stride; ++start)
+        transform(&distance[start], stride);
     stride *= n;
   }
   return distance;
@@ -73,7 +77,8 @@ std::vector<float> signedDistance(const Mask& mask, const Vector3& spacing, int 
   std::vector<float> toInside = squaredDistance(mask, spacing, dimensions, true);
   const std::vector<float> toOutside = squaredDistance(mask, spacing, dimensions, false);
   for (size_t i = 0; i < toInside.size(); ++i)
-    toInside[i] = mask.inside[i] != 0 ? std::sqrt(toOutside[i]) - half : half - std::sqrt(toInside[i]);
+    toInside[i] =
+        mask.inside[i] != 0 ? std::sqrt(toOutside[i]) - half : half - std::sqrt(toInside[i]);
   return toInside;
 }
 

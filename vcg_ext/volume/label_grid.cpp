@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/label_grid.h"
 
 #include <Eigen/LU>
@@ -8,24 +9,29 @@
 
 namespace sphere_propagation {
 
-double LabelGrid::voxelVolume() const { return std::fabs(toWorld.topLeftCorner<3, 3>().determinant()); }
+double LabelGrid::voxelVolume() const {
+  return std::fabs(toWorld.topLeftCorner<3, 3>().determinant());
+}
 
 void LabelGrid::check() const {
   std::ostringstream text;
   if (size.minCoeff() < 1) {
-    text << "The label volume has no voxels: its size is " << size[0] << " x " << size[1] << " x " << size[2] << ".";
+    text << "The label volume has no voxels: its size is " << size[0] << " x " << size[1] << " x "
+         << size[2] << ".";
   } else if (labels.size() != index(0, 0, size[2])) {
-    text << "The label volume has " << labels.size() << " labels for " << index(0, 0, size[2]) << " voxels.";
+    text << "The label volume has " << labels.size() << " labels for " << index(0, 0, size[2])
+         << " voxels.";
   } else if (!toWorld.allFinite()) {
-    text << "The label volume's position in space is not finite: its affine matrix holds NaN or infinite numbers.";
+    text << "The label volume's position in space is not finite: its affine matrix holds NaN or "
+            "infinite numbers.";
   } else if (toWorld.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
     text << "The label volume's matrix is not affine: its last row is " << toWorld.row(3) << ".";
   } else {
     // Relative to the product of the spacings: 1 for right angles, 0 in a plane.
     const double product = spacing().prod(), volume = voxelVolume();
     if (product > 0 && std::isfinite(product) && volume > 1e-3 * product) return;
-    text << "The label volume's affine matrix maps the voxels into a plane: the spacings are " << spacing().transpose()
-         << " mm and a voxel's volume is " << volume << " mm^3.";
+    text << "The label volume's affine matrix maps the voxels into a plane: the spacings are "
+         << spacing().transpose() << " mm and a voxel's volume is " << volume << " mm^3.";
   }
   throw VolumeError(text.str());
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A label volume of one phase, as it lies in space.
 
@@ -26,8 +27,8 @@ struct LabelGrid {
   /// mm^3.
   double voxelVolume() const;
 
-  /// Throws VolumeError when there are no voxels, not as many labels as voxels, or when the affine map is not finite,
-  /// has another last row than (0, 0, 0, 1), or maps the voxels into a plane.
+  /// Throws VolumeError when there are no voxels, not as many labels as voxels, or when the affine
+  /// map is not finite, has another last row than (0, 0, 0, 1), or maps the voxels into a plane.
   void check() const;
 
   /// How many voxels have each label, the background's 0 left out.

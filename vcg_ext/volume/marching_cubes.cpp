@@ -1,4 +1,6 @@
-// W. E. Lorensen, H. E. Cline, Marching cubes, 1987; G. M. Nielson, B. Hamann, The asymptotic decider, 1991.
+// SPDX-License-Identifier: GPL-3.0-only
+// W. E. Lorensen, H. E. Cline, Marching cubes, 1987; G. M. Nielson, B. Hamann, The asymptotic
+// decider, 1991.
 
 #include "vcg_ext/volume/marching_cubes.h"
 
@@ -14,12 +16,23 @@
 namespace sphere_propagation {
 namespace {
 
-// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2). Edge e runs along axis e / 4 from its lower corner.
+// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2). Edge e runs along axis e / 4 from its
+// lower corner.
 struct Edge {
   int axis, corner;
 };
-constexpr std::array<Edge, 12> edges{
-    {{0, 0}, {0, 2}, {0, 4}, {0, 6}, {1, 0}, {1, 1}, {1, 4}, {1, 5}, {2, 0}, {2, 1}, {2, 2}, {2, 3}}};
+constexpr std::array<Edge, 12> edges{{{0, 0},
+                                      {0, 2},
+                                      {0, 4},
+                                      {0, 6},
+                                      {1, 0},
+                                      {1, 1},
+                                      {1, 4},
+                                      {1, 5},
+                                      {2, 0},
+                                      {2, 1},
+                                      {2, 2},
+                                      {2, 3}}};
 /// The corners of each face, counter-clockwise seen from outside the cell.
 constexpr std::array<std::array<int, 4>, 6> faceCorners{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
@@ -27,7 +40,8 @@ constexpr std::array<std::array<int, 4>, 6> faceCorners{
 constexpr int edgeBetween(int a, int b) {
   const int low = a < b ? a : b, axis = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2;
   for (int e = 0; e < 12; ++e)
-    if (edges[static_cast<size_t>(e)].axis == axis && edges[static_cast<size_t>(e)].corner == low) return e;
+    if (edges[static_cast<size_t>(e)].axis == axis && edges[static_cast<size_t>(e)].corner == low)
+      return e;
   return -1;
 }
 
@@ -37,10 +51,12 @@ struct Tables {
   std::array<std::array<bool, 12>, 12> inOneFace{};
   constexpr Tables() {
     for (size_t f = 0; f < 6; ++f) {
-      for (size_t m = 0; m < 4; ++m) faceEdges[f][m] = edgeBetween(faceCorners[f][m], faceCorners[f][(m + 1) % 4]);
+      for (size_t m = 0; m < 4; ++m)
+        faceEdges[f][m] = edgeBetween(faceCorners[f][m], faceCorners[f][(m + 1) % 4]);
       for (size_t m = 0; m < 4; ++m)
         for (size_t l = 0; l < 4; ++l)
-          inOneFace[static_cast<size_t>(faceEdges[f][m])][static_cast<size_t>(faceEdges[f][l])] = true;
+          inOneFace[static_cast<size_t>(faceEdges[f][m])][static_cast<size_t>(faceEdges[f][l])] =
+              true;
     }
   }
 };
@@ -48,8 +64,10 @@ constexpr Tables tables;
 
 class Marcher {
  public:
-  Marcher(const ScalarGrid& grid, double isoValue, FaceRule rule) : grid_(grid), isoValue_(isoValue), rule_(rule) {
-    const size_t slice = static_cast<size_t>(grid.size[0] + 2) * static_cast<size_t>(grid.size[1] + 2);
+  Marcher(const ScalarGrid& grid, double isoValue, FaceRule rule)
+      : grid_(grid), isoValue_(isoValue), rule_(rule) {
+    const size_t slice =
+        static_cast<size_t>(grid.size[0] + 2) * static_cast<size_t>(grid.size[1] + 2);
     for (auto& plane : vertexAt_) plane.assign(3 * slice, -1);
   }
 
@@ -69,7 +87,8 @@ class Marcher {
       result.vertices.row(static_cast<Eigen::Index>(v)) = points_[v].transpose();
     result.faces.resize(static_cast<Eigen::Index>(triangles_.size()), 3);
     for (size_t f = 0; f < triangles_.size(); ++f)
-      result.faces.row(static_cast<Eigen::Index>(f)) << triangles_[f][0], triangles_[f][1], triangles_[f][2];
+      result.faces.row(static_cast<Eigen::Index>(f)) << triangles_[f][0], triangles_[f][1],
+          triangles_[f][2];
     return result;
   }
 
@@ -107,17 +126,19 @@ class Marcher {
     }
   }
 
-  /// What runs over a face of the cell: going round it counter-clockwise seen from outside, each piece of the outline
-  /// comes from an edge where one enters the inside and leads to one where one leaves it. The neighbour goes round the
-  /// other way, so its piece runs the other way, as that of an oriented surface should.
+  /// What runs over a face of the cell: going round it counter-clockwise seen from outside, each
+  /// piece of the outline comes from an edge where one enters the inside and leads to one where one
+  /// leaves it. The neighbour goes round the other way, so its piece runs the other way, as that of
+  /// an oriented surface should.
   void traceFace(size_t f, std::array<int, 12>& next) const {
     const auto& corners = faceCorners[f];
     const auto& faceEdges = tables.faceEdges[f];
     const auto in = [&](size_t m) { return inside_[static_cast<size_t>(corners[m % 4])]; };
     const auto at = [&](size_t m) { return values_[static_cast<size_t>(corners[m % 4])]; };
     const bool ambiguous = in(0) == in(2) && in(1) == in(3) && in(0) != in(1);
-    const bool joined = ambiguous && rule_ == FaceRule::AsymptoticDecider &&
-                        at(in(0) ? 0 : 1) * at(in(0) ? 2 : 3) > at(in(0) ? 1 : 0) * at(in(0) ? 3 : 2);
+    const bool joined =
+        ambiguous && rule_ == FaceRule::AsymptoticDecider &&
+        at(in(0) ? 0 : 1) * at(in(0) ? 2 : 3) > at(in(0) ? 1 : 0) * at(in(0) ? 3 : 2);
     for (size_t m = 0; m < 4; ++m) {
       if (in(m) || !in(m + 1)) continue;  // not entering between corners m and m + 1
       size_t leaving = m + 1;
@@ -133,14 +154,16 @@ class Marcher {
   int vertex(size_t e) {
     const Edge edge = edges[e];
     const int low[3] = {edge.corner & 1, edge.corner >> 1 & 1, edge.corner >> 2};
-    int& index = vertexAt_[static_cast<size_t>(low[2])]
-                          [3 * (static_cast<size_t>(cell_[1] + 1 + low[1]) * static_cast<size_t>(grid_.size[0] + 2) +
-                                static_cast<size_t>(cell_[0] + 1 + low[0])) +
-                           static_cast<size_t>(edge.axis)];
+    int& index =
+        vertexAt_[static_cast<size_t>(low[2])][3 * (static_cast<size_t>(cell_[1] + 1 + low[1]) *
+                                                        static_cast<size_t>(grid_.size[0] + 2) +
+                                                    static_cast<size_t>(cell_[0] + 1 + low[0])) +
+                                               static_cast<size_t>(edge.axis)];
     if (index < 0) {
       const double a = values_[static_cast<size_t>(edge.corner)],
                    b = values_[static_cast<size_t>(edge.corner | 1 << edge.axis)];
-      const double t = std::isfinite(a) && std::isfinite(b) ? std::clamp(a / (a - b), 0.001, 0.999) : 0.5;
+      const double t =
+          std::isfinite(a) && std::isfinite(b) ? std::clamp(a / (a - b), 0.001, 0.999) : 0.5;
       Vector3 point(cell_[0] + low[0], cell_[1] + low[1], cell_[2] + low[2]);
       point[edge.axis] += t;
       index = static_cast<int>(points_.size());
@@ -149,7 +172,8 @@ class Marcher {
     return index;
   }
 
-  /// Triangulates the outline with the least sum of squared diagonals, none of them in a face of the cell.
+  /// Triangulates the outline with the least sum of squared diagonals, none of them in a face of
+  /// the cell.
   void fillOutline() {
     const size_t n = outline_.size();
     std::array<int, 12> v{};
@@ -159,7 +183,9 @@ class Marcher {
       return;
     }
     constexpr double forbidden = 1e300;
-    const auto point = [&](size_t p) -> const Vector3& { return points_[static_cast<size_t>(v[p])]; };
+    const auto point = [&](size_t p) -> const Vector3& {
+      return points_[static_cast<size_t>(v[p])];
+    };
     std::array<std::array<double, 12>, 12> cost{};  // of the polygon p .. q
     std::array<std::array<size_t, 12>, 12> apex{};  // of its triangle at the side (p, q)
     for (size_t length = 2; length < n; ++length)
@@ -167,9 +193,12 @@ class Marcher {
         const size_t q = p + length;
         cost[p][q] = std::numeric_limits<double>::infinity();
         for (size_t r = p + 1; r < q; ++r)
-          if (cost[p][r] + cost[r][q] < cost[p][q]) cost[p][q] = cost[p][r] + cost[r][q], apex[p][q] = r;
+          if (cost[p][r] + cost[r][q] < cost[p][q])
+            cost[p][q] = cost[p][r] + cost[r][q], apex[p][q] = r;
         if (length + 1 < n)
-          cost[p][q] += tables.inOneFace[outline_[p]][outline_[q]] ? forbidden : (point(p) - point(q)).squaredNorm();
+          cost[p][q] += tables.inOneFace[outline_[p]][outline_[q]]
+                            ? forbidden
+                            : (point(p) - point(q)).squaredNorm();
       }
     if (cost[0][n - 1] < forbidden) {
       fill(v, apex, 0, n - 1);
@@ -182,7 +211,8 @@ class Marcher {
     for (size_t p = 0; p < n; ++p) triangles_.push_back({v[p], v[(p + 1) % n], centre});
   }
 
-  void fill(const std::array<int, 12>& v, const std::array<std::array<size_t, 12>, 12>& apex, size_t p, size_t q) {
+  void fill(const std::array<int, 12>& v, const std::array<std::array<size_t, 12>, 12>& apex,
+            size_t p, size_t q) {
     if (q - p < 2) return;
     const size_t r = apex[p][q];
     triangles_.push_back({v[p], v[r], v[q]});
@@ -193,7 +223,8 @@ class Marcher {
   const ScalarGrid& grid_;
   double isoValue_;
   FaceRule rule_;
-  // The vertices on the edges that start in the lower and the upper plane of the cells at hand: 3 axes per grid point.
+  // The vertices on the edges that start in the lower and the upper plane of the cells at hand: 3
+  // axes per grid point.
   std::array<std::vector<int>, 2> vertexAt_;
   std::vector<Vector3> points_;
   std::vector<std::array<int, 3>> triangles_;
@@ -209,14 +240,15 @@ class Marcher {
 IsoSurface marchingCubes(const ScalarGrid& grid, double isoValue, FaceRule rule) {
   size_t count = 1;
   for (int axis = 0; axis < 3; ++axis) count *= static_cast<size_t>(std::max(grid.size[axis], 0));
-  const bool sound = grid.size.minCoeff() > 0 && grid.values.size() == count && grid.spacing.minCoeff() > 0 &&
-                     grid.spacing.allFinite() && grid.origin.allFinite() && std::isfinite(isoValue);
+  const bool sound = grid.size.minCoeff() > 0 && grid.values.size() == count &&
+                     grid.spacing.minCoeff() > 0 && grid.spacing.allFinite() &&
+                     grid.origin.allFinite() && std::isfinite(isoValue);
   if (!sound) {
     std::ostringstream text;
-    text
-        << "Marching cubes needs a grid with samples, a positive spacing and a finite iso value, but the grid has size "
-        << grid.size.transpose() << ", " << grid.values.size() << " values, spacing " << grid.spacing.transpose()
-        << ", and the iso value is " << isoValue << ".";
+    text << "Marching cubes needs a grid with samples, a positive spacing and a finite iso value, "
+            "but the grid has size "
+         << grid.size.transpose() << ", " << grid.values.size() << " values, spacing "
+         << grid.spacing.transpose() << ", and the iso value is " << isoValue << ".";
     throw ParameterError(text.str());
   }
   return Marcher(grid, isoValue, rule).run();
@@ -228,13 +260,15 @@ IsoSurface largestPart(const IsoSurface& surface) {
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](Eigen::Index v) {
     while (parent[static_cast<size_t>(v)] != v)
-      v = parent[static_cast<size_t>(v)] = parent[static_cast<size_t>(parent[static_cast<size_t>(v)])];
+      v = parent[static_cast<size_t>(v)] =
+          parent[static_cast<size_t>(parent[static_cast<size_t>(v)])];
     return v;
   };
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
     for (int k = 1; k < 3; ++k) {
       const Eigen::Index a = root(surface.faces(f, 0)), b = root(surface.faces(f, k));
-      parent[static_cast<size_t>(std::max(a, b))] = std::min(a, b);  // so a part's root is its smallest vertex
+      parent[static_cast<size_t>(std::max(a, b))] =
+          std::min(a, b);  // so a part's root is its smallest vertex
     }
   std::vector<Eigen::Index> count(static_cast<size_t>(n), 0);
   for (Eigen::Index v = 0; v < n; ++v) ++count[static_cast<size_t>(root(v))];
@@ -246,7 +280,8 @@ IsoSurface largestPart(const IsoSurface& surface) {
   Eigen::Index faces = 0;
   for (Eigen::Index v = 0; v < n; ++v)
     if (root(v) == kept) index[static_cast<size_t>(v)] = vertices++;
-  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) faces += root(surface.faces(f, 0)) == kept;
+  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
+    faces += root(surface.faces(f, 0)) == kept;
   result.vertices.resize(vertices, 3);
   result.faces.resize(faces, 3);
   for (Eigen::Index v = 0; v < n; ++v)
@@ -255,7 +290,8 @@ IsoSurface largestPart(const IsoSurface& surface) {
   faces = 0;
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
     if (root(surface.faces(f, 0)) != kept) continue;
-    for (int k = 0; k < 3; ++k) result.faces(faces, k) = index[static_cast<size_t>(surface.faces(f, k))];
+    for (int k = 0; k < 3; ++k)
+      result.faces(faces, k) = index[static_cast<size_t>(surface.faces(f, k))];
     ++faces;
   }
   return result;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A binary image: which voxels of a grid are inside.
 
@@ -11,12 +12,13 @@ namespace sphere_propagation {
 
 struct Mask {
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< voxels along x, y, z
-  std::vector<std::uint8_t> inside;                ///< size.prod() values, 0 or 1, x fastest, z slowest
+  std::vector<std::uint8_t> inside;  ///< size.prod() values, 0 or 1, x fastest, z slowest
 
   Mask() = default;
   /// All voxels outside.
   explicit Mask(const Eigen::Vector3i& gridSize) : size(gridSize) {
-    inside.resize(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) * static_cast<size_t>(size[2]));
+    inside.resize(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) *
+                  static_cast<size_t>(size[2]));
   }
 
   size_t index(int i, int j, int k) const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// A scalar image on a regular grid, as it lies in space.
 
@@ -18,7 +19,8 @@ struct ScalarGrid {
   /// All samples 0.
   ScalarGrid(const Eigen::Vector3i& gridSize, const Vector3& gridOrigin, const Vector3& gridSpacing)
       : size(gridSize), origin(gridOrigin), spacing(gridSpacing) {
-    values.resize(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) * static_cast<size_t>(size[2]));
+    values.resize(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) *
+                  static_cast<size_t>(size[2]));
   }
 
   size_t index(int i, int j, int k) const {

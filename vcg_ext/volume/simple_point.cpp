@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // G. Bertrand, G. Malandain, A new characterization of three-dimensional simple points, 1994.
 
 #include "vcg_ext/volume/simple_point.h"
@@ -39,7 +40,8 @@ constexpr Neighbourhood faces = withSquaredDistance(1), edges = withSquaredDista
 size_t lowestBit(Neighbourhood bits) { return static_cast<size_t>(__builtin_ctz(bits)); }
 
 /// Whether exactly one component of `set` has a voxel of `touching`.
-bool oneComponent(Neighbourhood set, Neighbourhood touching, const std::array<Neighbourhood, 27>& neighbours) {
+bool oneComponent(Neighbourhood set, Neighbourhood touching,
+                  const std::array<Neighbourhood, 27>& neighbours) {
   touching &= set;
   if (touching == 0) return false;
   Neighbourhood component = touching & (~touching + 1), frontier = component;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/slice_holes.h"
 
 #include <algorithm>
@@ -6,19 +7,22 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double leastCover = 0.5, largestOpening = 0.1;
+constexpr double minCover = 0.5, maxOpening = 0.1;
 
 }  // namespace
 
-SliceHoles::SliceHoles(const Mask& mask) : holes_(mask.size), filled_(mask), component_(mask.inside.size(), -1) {
+SliceHoles::SliceHoles(const Mask& mask)
+    : holes_(mask.size), filled_(mask), component_(mask.inside.size(), -1) {
   const int nx = mask.size[0], ny = mask.size[1];
   const size_t plane = mask.index(0, 0, 1);
   std::vector<size_t> open;
   for (int k = 0; k < mask.size[2]; ++k) {
     std::vector<long> sizes;
-    // The part of the outside with the slice's first voxel is no hole; what is found after it is one each.
+    // The part of the outside with the slice's first voxel is no hole; what is found after it is
+    // one each.
     constexpr int outside = -2;
-    for (size_t start = plane * static_cast<size_t>(k); start < plane * (static_cast<size_t>(k) + 1); ++start) {
+    for (size_t start = plane * static_cast<size_t>(k);
+         start < plane * (static_cast<size_t>(k) + 1); ++start) {
       if (mask.inside[start] != 0 || component_[start] != -1) continue;
       const bool first = start == plane * static_cast<size_t>(k);
       const int number = first ? outside : static_cast<int>(sizes.size());
@@ -49,12 +53,15 @@ SliceHoles::SliceHoles(const Mask& mask) : holes_(mask.size), filled_(mask), com
     component_[v] = std::max(component_[v], -1);
     if (component_[v] >= 0) holes_.inside[v] = filled_.inside[v] = 1;
   }
-  for (auto slice = filled_.inside.begin(); slice != filled_.inside.end(); slice += static_cast<std::ptrdiff_t>(plane))
-    filledSizes_.push_back(std::count(slice, slice + static_cast<std::ptrdiff_t>(plane), std::uint8_t{1}));
+  for (auto slice = filled_.inside.begin(); slice != filled_.inside.end();
+       slice += static_cast<std::ptrdiff_t>(plane))
+    filledSizes_.push_back(
+        std::count(slice, slice + static_cast<std::ptrdiff_t>(plane), std::uint8_t{1}));
 }
 
 bool SliceHoles::any() const {
-  return std::any_of(sizes_.begin(), sizes_.end(), [](const std::vector<long>& sizes) { return !sizes.empty(); });
+  return std::any_of(sizes_.begin(), sizes_.end(),
+                     [](const std::vector<long>& sizes) { return !sizes.empty(); });
 }
 
 /// The area of those holes of one slice that the other neither continues nor closes.
@@ -72,8 +79,9 @@ long SliceHoles::opened(int from, int to) const {
   }
   long area = 0;
   for (size_t hole = 0; hole < sizes.size(); ++hole) {
-    const auto least = static_cast<double>(std::min(sizes[hole], filledSizes_[static_cast<size_t>(to)]));
-    const bool closed = covered[hole] > 0 && static_cast<double>(covered[hole]) >= leastCover * least;
+    const auto least =
+        static_cast<double>(std::min(sizes[hole], filledSizes_[static_cast<size_t>(to)]));
+    const bool closed = covered[hole] > 0 && static_cast<double>(covered[hole]) >= minCover * least;
     if (continued[hole] == 0 && !closed) area += sizes[hole];
   }
   return area;
@@ -85,7 +93,8 @@ bool SliceHoles::leadThrough(int a, int b) const {
     const std::vector<long>& sizes = sizes_[static_cast<size_t>(slice)];
     all = std::accumulate(sizes.begin(), sizes.end(), all);
   }
-  return all > 0 && static_cast<double>(opened(a, b) + opened(b, a)) <= largestOpening * static_cast<double>(all);
+  return all > 0 &&
+         static_cast<double>(opened(a, b) + opened(b, a)) <= maxOpening * static_cast<double>(all);
 }
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 // S. P. Raya, J. K. Udupa, Shape-based interpolation of multidimensional objects, 1990.
 
 #include "vcg_ext/volume/slice_interpolation.h"
@@ -15,25 +16,29 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int margin = 4;            // samples of the working grid round the labels
-constexpr double largestGrid = 2e8;  // samples
-constexpr double mostPadding = 8;    // voxels with room for the working grid's margin, by those of the label's box
+constexpr int margin = 4;        // samples of the working grid round the labels
+constexpr double maxGrid = 2e8;  // samples
+constexpr double maxPadding =
+    8;  // voxels with room for the working grid's margin, by those of the label's box
 constexpr double anisotropy = 1.5;
 // How much smaller one of the slices beside a gap may be: far apart, they differ more.
-constexpr double leastShareAcross = 0.1, leastShareInSpace = 0.5;
+constexpr double minShareAcross = 0.1, minShareInSpace = 0.5;
 
 /// What is inside, cut out of the labels, its slices along the last axis.
 struct Stack {
   Mask mask;
   Vector3 spacing = Vector3::Ones();
-  Eigen::Vector3i first = Eigen::Vector3i::Zero();  // the index of voxel (0, 0, 0) in the labels, in the stack's axes
-  Eigen::Matrix4d toWorld = Eigen::Matrix4d::Identity();  // from index times spacing, in the stack's axes
+  Eigen::Vector3i first =
+      Eigen::Vector3i::Zero();  // the index of voxel (0, 0, 0) in the labels, in the stack's axes
+  Eigen::Matrix4d toWorld =
+      Eigen::Matrix4d::Identity();  // from index times spacing, in the stack's axes
   long voxels = 0;
 };
 
 std::string listOf(const std::vector<std::int32_t>& labels) {
   std::string text;
-  for (const std::int32_t label : labels) text += (text.empty() ? "" : ", ") + std::to_string(label);
+  for (const std::int32_t label : labels)
+    text += (text.empty() ? "" : ", ") + std::to_string(label);
   return (labels.size() == 1 ? "label " : "labels ") + text;
 }
 
@@ -49,8 +54,9 @@ void requireLabels(const LabelGrid& grid, const std::vector<std::int32_t>& label
   for (const auto& label : counts)
     if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label.first);
   if (listed > 10) found += " and " + std::to_string(listed - 10) + " more";
-  throw AbsentLabelError("No voxel has " + listOf(absent) +
-                         (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
+  throw AbsentLabelError(
+      "No voxel has " + listOf(absent) +
+      (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
 }
 
 /// room: to be left empty round the labels, mm.
@@ -61,7 +67,8 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
     return sorted;
   }();
   const auto inside = [&](std::int32_t label) {
-    return wanted.size() == 1 ? label == wanted[0] : std::binary_search(wanted.begin(), wanted.end(), label);
+    return wanted.size() == 1 ? label == wanted[0]
+                              : std::binary_search(wanted.begin(), wanted.end(), label);
   };
   Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
   Stack stack;
@@ -84,11 +91,11 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
   Eigen::Vector3i padded;
   const Vector3 box = (high - low).cast<double>().array() + 1,
                 pads = (room * spacing.cwiseInverse()).array().ceil() + 1;
-  if ((box + 2 * pads).prod() > std::max(largestGrid, mostPadding * box.prod())) {
+  if ((box + 2 * pads).prod() > std::max(maxGrid, maxPadding * box.prod())) {
     std::ostringstream text;
     const Vector3 size = box.cwiseProduct(spacing);
-    text << "The voxel_size is too large for this label, which lies in a box of " << size[0] << " x " << size[1]
-         << " x " << size[2] << " mm. Choose a smaller voxel_size.";
+    text << "The voxel_size is too large for this label, which lies in a box of " << size[0]
+         << " x " << size[1] << " x " << size[2] << " mm. Choose a smaller voxel_size.";
     throw ParameterError(text.str());
   }
   for (int a = 0; a < 3; ++a) {
@@ -106,7 +113,8 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
     for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
       for (at[0] = low[0]; at[0] <= high[0]; ++at[0])
         if (inside(grid.labels[grid.index(at[0], at[1], at[2])]))
-          stack.mask(at[axes[0]] - stack.first[0], at[axes[1]] - stack.first[1], at[axes[2]] - stack.first[2]) = 1;
+          stack.mask(at[axes[0]] - stack.first[0], at[axes[1]] - stack.first[1],
+                     at[axes[2]] - stack.first[2]) = 1;
   return stack;
 }
 
@@ -120,17 +128,18 @@ struct Slices {
   int interpolated = 0;
 };
 
-Slices slicesOf(const Mask& mask, int longestGap, double leastShare) {
+Slices slicesOf(const Mask& mask, int longestGap, double minShare) {
   Slices slices;
   long before = 0;
   const size_t slice = mask.index(0, 0, 1);
   for (int k = 0; k < mask.size[2]; ++k) {
     const auto begin = mask.inside.begin() + static_cast<std::ptrdiff_t>(slice) * k;
-    const long count = std::count(begin, begin + static_cast<std::ptrdiff_t>(slice), std::uint8_t{1});
+    const long count =
+        std::count(begin, begin + static_cast<std::ptrdiff_t>(slice), std::uint8_t{1});
     if (count == 0) continue;
     const int gap = slices.runs.empty() ? 0 : k - slices.runs.back().last - 1;
-    const bool comparable =
-        static_cast<double>(std::min(count, before)) >= leastShare * static_cast<double>(std::max(count, before));
+    const bool comparable = static_cast<double>(std::min(count, before)) >=
+                            minShare * static_cast<double>(std::max(count, before));
     if (slices.runs.empty() || gap > longestGap || (gap > 0 && !comparable)) {
       slices.runs.push_back({k, k, {k}});
     } else {
@@ -154,7 +163,8 @@ Between between(double position, int count) {
   return {voxel, static_cast<float>(std::clamp(position - voxel, 0.0, 1.0))};
 }
 
-/// Values along one line, given at increasing whole positions, as a smooth function without new extremes.
+/// Values along one line, given at increasing whole positions, as a smooth function without new
+/// extremes.
 class MonotoneCubic {
  public:
   void set(const std::vector<int>& positions, const std::vector<float>& values) {
@@ -192,7 +202,8 @@ class MonotoneCubic {
 };
 
 /// A grid of cubes that holds the stack's labels with the margin, aligned with its first voxel.
-ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eigen::Vector3i& high, double h) {
+ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eigen::Vector3i& high,
+                       double h) {
   const Vector3 from = low.cast<double>().cwiseProduct(stack.spacing),
                 to = high.cast<double>().cwiseProduct(stack.spacing);
   ScalarGrid grid;
@@ -203,10 +214,10 @@ ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eig
     grid.origin[a] = from[a] - before * h;
     size[a] = std::ceil((to[a] + stack.spacing[a] / 2 - grid.origin[a]) / h) + margin + 1;
   }
-  if (!(size.prod() <= largestGrid)) {
+  if (!(size.prod() <= maxGrid)) {
     std::ostringstream text;
-    text << "Working voxels of " << h << " mm are too small here: there would be " << size.prod() << ", the most are "
-         << largestGrid << ". Choose a larger voxel_size.";
+    text << "Working voxels of " << h << " mm are too small here: there would be " << size.prod()
+         << ", the most are " << maxGrid << ". Choose a larger voxel_size.";
     throw ParameterError(text.str());
   }
   grid.size = size.cast<int>();
@@ -215,16 +226,18 @@ ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eig
 }
 
 /// The signed distances of the slices, each sampled on the working grid's x and y.
-std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance, const Stack& stack,
-                                              const ScalarGrid& grid) {
+std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance,
+                                              const Stack& stack, const ScalarGrid& grid) {
   const auto nx = static_cast<size_t>(grid.size[0]), ny = static_cast<size_t>(grid.size[1]);
   std::vector<Between> xs, ys;
   for (size_t i = 0; i < nx; ++i)
     xs.push_back(
-        between((grid.origin[0] + static_cast<double>(i) * grid.spacing[0]) / stack.spacing[0], stack.mask.size[0]));
+        between((grid.origin[0] + static_cast<double>(i) * grid.spacing[0]) / stack.spacing[0],
+                stack.mask.size[0]));
   for (size_t j = 0; j < ny; ++j)
     ys.push_back(
-        between((grid.origin[1] + static_cast<double>(j) * grid.spacing[1]) / stack.spacing[1], stack.mask.size[1]));
+        between((grid.origin[1] + static_cast<double>(j) * grid.spacing[1]) / stack.spacing[1],
+                stack.mask.size[1]));
   const auto row = static_cast<size_t>(stack.mask.size[0]);
   std::vector<std::vector<float>> sampled(static_cast<size_t>(stack.mask.size[2]));
   for (int k = 0; k < stack.mask.size[2]; ++k) {
@@ -235,15 +248,16 @@ std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance
     for (const Between& y : ys)
       for (const Between& x : xs) {
         const float* at = slice + static_cast<size_t>(y.voxel) * row + x.voxel;
-        const float a = at[0] + x.weight * (at[1] - at[0]), b = at[row] + x.weight * (at[row + 1] - at[row]);
+        const float a = at[0] + x.weight * (at[1] - at[0]),
+                    b = at[row] + x.weight * (at[row + 1] - at[row]);
         values.push_back(a + y.weight * (b - a));
       }
   }
   return sampled;
 }
 
-/// Signed distances in the slices, by slice and column of the working grid: of the shape, and, where it has holes, of
-/// these and of what it is with them.
+/// Signed distances in the slices, by slice and column of the working grid: of the shape, and,
+/// where it has holes, of these and of what it is with them.
 struct SampledStack {
   using Samples = std::vector<std::vector<float>>;
   Samples shape, filled, holes;
@@ -288,12 +302,15 @@ class Column {
   /// x: in slices.
   float operator()(double x) const {
     if (!anyWall_ || x <= used_.front() || x >= used_.back()) return shape_(x);
-    const Gap& gap = gaps_[static_cast<size_t>(std::upper_bound(used_.begin(), used_.end(), x) - used_.begin()) - 1];
+    const Gap& gap =
+        gaps_[static_cast<size_t>(std::upper_bound(used_.begin(), used_.end(), x) - used_.begin()) -
+              1];
     if (gap.kind == Gap::Kind::Plain) return shape_(x);
     if (gap.kind == Gap::Kind::Wall) return std::min(filled_(x), -holes_(x));
     // The hole tapers to a point half way, along the surface that closes it.
     const auto t = static_cast<float>((x - gap.holed) / (gap.closed - gap.holed));
-    return std::min(filled_(x), -((1 - t) * holes_(gap.holed) + t * (filled_(gap.closed) - gap.depth)));
+    return std::min(filled_(x),
+                    -((1 - t) * holes_(gap.holed) + t * (filled_(gap.closed) - gap.depth)));
   }
 
  private:
@@ -303,7 +320,8 @@ class Column {
     float depth = 0;            // of the hole and of what closes it
   };
 
-  void set(MonotoneCubic& line, const std::vector<int>& slices, const SampledStack::Samples& samples, size_t column) {
+  void set(MonotoneCubic& line, const std::vector<int>& slices,
+           const SampledStack::Samples& samples, size_t column) {
     values_.clear();
     for (const int k : slices) values_.push_back(samples[static_cast<size_t>(k)][column]);
     line.set(slices, values_);
@@ -337,7 +355,8 @@ void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& gri
       line.moveTo(column);
       for (int z = 0; z < grid.size[2]; ++z) {
         const double height = grid.origin[2] + z * grid.spacing[2];
-        const double toCap = std::min(height - (run.first - 0.5) * s, (run.last + 0.5) * s - height);
+        const double toCap =
+            std::min(height - (run.first - 0.5) * s, (run.last + 0.5) * s - height);
         float& value = grid.values[column + plane * static_cast<size_t>(z)];
         value = std::max(value, std::min(line(height / s), static_cast<float>(toCap)));
       }
@@ -352,7 +371,8 @@ void fillGaps(Stack& stack, const Slices& slices) {
   for (const Slices::Run& run : slices.runs)
     for (size_t u = 0; u + 1 < run.used.size(); ++u)
       for (int k = run.used[u] + 1; k < run.used[u + 1]; ++k) {
-        const float t = static_cast<float>(k - run.used[u]) / static_cast<float>(run.used[u + 1] - run.used[u]);
+        const float t =
+            static_cast<float>(k - run.used[u]) / static_cast<float>(run.used[u + 1] - run.used[u]);
         for (size_t i = 0; i < plane; ++i) {
           const float a = distance[plane * static_cast<size_t>(run.used[u]) + i];
           const float b = distance[plane * static_cast<size_t>(run.used[u + 1]) + i];
@@ -363,10 +383,13 @@ void fillGaps(Stack& stack, const Slices& slices) {
 
 /// Signed distances in space.
 void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
-  const auto sampled = [&] { return sampledSlices(signedDistance(stack.mask, stack.spacing), stack, grid); }();
+  const auto sampled = [&] {
+    return sampledSlices(signedDistance(stack.mask, stack.spacing), stack, grid);
+  }();
   const size_t plane = grid.index(0, 0, 1);
   for (int z = 0; z < grid.size[2]; ++z) {
-    const Between at = between((grid.origin[2] + z * grid.spacing[2]) / stack.spacing[2], stack.mask.size[2]);
+    const Between at =
+        between((grid.origin[2] + z * grid.spacing[2]) / stack.spacing[2], stack.mask.size[2]);
     const std::vector<float>&a = sampled[static_cast<size_t>(at.voxel)],
           &b = sampled[static_cast<size_t>(at.voxel) + 1];
     for (size_t i = 0; i < plane; ++i)
@@ -376,14 +399,18 @@ void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
 
 }  // namespace
 
-InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpolationParameters& parameters) {
+InterpolatedLabels interpolateSlices(const LabelGrid& labels,
+                                     const SliceInterpolationParameters& parameters) {
   labels.check();
   if (parameters.labels.empty()) throw ParameterError("Label volume: no label was given.");
   if (!(parameters.voxelSize >= 0) || !std::isfinite(parameters.voxelSize))
-    throw ParameterError("Label volume: voxel_size must be 0 (the smallest spacing of the file) or more.");
-  if (parameters.longestGap < 0) throw ParameterError("Label volume: the longest gap must be 0 slices or more.");
+    throw ParameterError(
+        "Label volume: voxel_size must be 0 (the smallest spacing of the file) or more.");
+  if (parameters.longestGap < 0)
+    throw ParameterError("Label volume: the longest gap must be 0 slices or more.");
   for (const std::int32_t label : parameters.labels)
-    if (label == 0) throw ParameterError("Label volume: 0 is the background; the labels must be other numbers.");
+    if (label == 0)
+      throw ParameterError("Label volume: 0 is the background; the labels must be other numbers.");
   requireLabels(labels, parameters.labels);
   const double h = parameters.voxelSize > 0 ? parameters.voxelSize : labels.spacing().minCoeff();
   Stack stack = stackOf(labels, parameters.labels, (margin + 2) * h);
@@ -391,8 +418,8 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpo
   InterpolatedLabels result;
   result.labelVolume = static_cast<double>(stack.voxels) * labels.voxelVolume();
   result.betweenSlices = stack.spacing[2] >= anisotropy * stack.spacing.head<2>().minCoeff();
-  const Slices slices =
-      slicesOf(stack.mask, parameters.longestGap, result.betweenSlices ? leastShareAcross : leastShareInSpace);
+  const Slices slices = slicesOf(stack.mask, parameters.longestGap,
+                                 result.betweenSlices ? minShareAcross : minShareInSpace);
   result.interpolatedSlices = slices.interpolated;
   // In the stack's own indices; the matrix takes care of where it begins.
   Eigen::Vector3i low = stack.mask.size, high = Eigen::Vector3i::Zero();
@@ -411,7 +438,8 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpo
     interpolateInSpace(stack, result.grid);
   }
   result.toWorld = stack.toWorld;
-  result.toWorld.col(3) += stack.toWorld.leftCols<3>() * stack.first.cast<double>().cwiseProduct(stack.spacing);
+  result.toWorld.col(3) +=
+      stack.toWorld.leftCols<3>() * stack.first.cast<double>().cwiseProduct(stack.spacing);
   return result;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// From labels on any grid to a signed distance on a grid of cubes.
 
@@ -7,37 +8,42 @@
 namespace sphere_propagation {
 
 struct SliceInterpolationParameters {
-  std::vector<std::int32_t> labels{1};  ///< what counts as inside: the union of these; none of them 0
-  double voxelSize = 0;                 ///< edge of the cubes, mm; 0: the smallest spacing of the labels
-  int longestGap = 10;                  ///< so many empty slices in a row are interpolated, >= 0
+  std::vector<std::int32_t> labels{
+      1};                ///< what counts as inside: the union of these; none of them 0
+  double voxelSize = 0;  ///< edge of the cubes, mm; 0: the smallest spacing of the labels
+  int longestGap = 10;   ///< so many empty slices in a row are interpolated, >= 0
 };
 
 /// Where the union of some labels is, as a signed distance on a grid of cubes.
 struct InterpolatedLabels {
   ScalarGrid grid;  ///< mm, positive inside; at least three samples at each border are negative
-  Eigen::Matrix4d
-      toWorld;             ///< from the coordinates of `grid` (a rotation, a shear, or a reflection) to mm in the world
-  double labelVolume = 0;  ///< of the voxels with these labels, mm^3
+  Eigen::Matrix4d toWorld;     ///< from the coordinates of `grid` (a rotation, a shear, or a
+                               ///< reflection) to mm in the world
+  double labelVolume = 0;      ///< of the voxels with these labels, mm^3
   int interpolatedSlices = 0;  ///< empty ones between others
-  bool betweenSlices = false;  ///< whether the slices lie so far apart that shape-based interpolation was called for
+  bool betweenSlices =
+      false;  ///< whether the slices lie so far apart that shape-based interpolation was called for
 };
 
-/// S. P. Raya and J. K. Udupa, Shape-based interpolation of multidimensional objects, IEEE Transactions on Medical
-/// Imaging 9, 1990. Where the slices lie at least 1.5 times as far apart as the voxels in them: signed distances in
-/// each slice, linear interpolation in the slice and a monotone cubic one across (F. N. Fritsch and R. E. Carlson,
-/// Monotone piecewise cubic interpolation, 1980), so that the surface has no creases at the slices; flat caps half a
-/// slice beyond the first and the last slice. A wall, a ring in its slices, would be torn where it slips sideways by
-/// more than its thickness from one slice to the next: where its holes lead through (SliceHoles), what it fills and its
-/// holes are interpolated by themselves, and the wall is the one without the other. Else: signed distances in space,
-/// linear interpolation. Slices are those along the axis of the largest spacing, of equal ones the last.
+/// S. P. Raya and J. K. Udupa, Shape-based interpolation of multidimensional objects, IEEE
+/// Transactions on Medical Imaging 9, 1990. Where the slices lie at least 1.5 times as far apart as
+/// the voxels in them: signed distances in each slice, linear interpolation in the slice and a
+/// monotone cubic one across (F. N. Fritsch and R. E. Carlson, Monotone piecewise cubic
+/// interpolation, 1980), so that the surface has no creases at the slices; flat caps half a slice
+/// beyond the first and the last slice. A wall, a ring in its slices, would be torn where it slips
+/// sideways by more than its thickness from one slice to the next: where its holes lead through
+/// (SliceHoles), what it fills and its holes are interpolated by themselves, and the wall is the
+/// one without the other. Else: signed distances in space, linear interpolation. Slices are those
+/// along the axis of the largest spacing, of equal ones the last.
 ///
-/// An empty slice is interpolated between its neighbours when there are at most `longestGap` in a row and the smaller
-/// of the two slices beside the gap has at least a tenth of the other's voxels (half of them where slices lie close);
-/// else the one beyond is another part, and the gap stays.
+/// An empty slice is interpolated between its neighbours when there are at most `longestGap` in a
+/// row and the smaller of the two slices beside the gap has at least a tenth of the other's voxels
+/// (half of them where slices lie close); else the one beyond is another part, and the gap stays.
 ///
-/// Throws AbsentLabelError when no voxel has one of the labels (the text lists those that occur); VolumeError when the
-/// labels are no sound grid; ParameterError when a parameter is out of range, the grid would have more than 2e8
-/// samples, or the cubes are too large for the label.
-InterpolatedLabels interpolateSlices(const LabelGrid& labels, const SliceInterpolationParameters& parameters = {});
+/// Throws AbsentLabelError when no voxel has one of the labels (the text lists those that occur);
+/// VolumeError when the labels are no sound grid; ParameterError when a parameter is out of range,
+/// the grid would have more than 2e8 samples, or the cubes are too large for the label.
+InterpolatedLabels interpolateSlices(const LabelGrid& labels,
+                                     const SliceInterpolationParameters& parameters = {});
 
 }  // namespace sphere_propagation

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/ventricle_phantom.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ namespace {
 constexpr double wallThickness = 9, thickening = 0.45, radialContraction = 0.36, shortening = 0.16;
 constexpr int maskRows = 400;  // of a sheet, from apex to base; twice as many round the axis
 
-/// numpy.random.RandomState: MT19937 seeded by a whole number, doubles of 53 bits, normals by Marsaglia's polar method.
+/// numpy.random.RandomState: MT19937 seeded by a whole number, doubles of 53 bits, normals by
+/// Marsaglia's polar method.
 class RandomState {
  public:
   explicit RandomState(unsigned seed) : bits_(seed) {}
@@ -53,11 +55,14 @@ class RandomState {
 void checkParameters(const PhantomParameters& p) {
   std::ostringstream text;
   if (p.phases < 1 || p.phases > 10000)
-    text << "Phantom: the number of phases must lie between 1 and 10000, but it is " << p.phases << ".";
+    text << "Phantom: the number of phases must lie between 1 and 10000, but it is " << p.phases
+         << ".";
   else if (!(p.voxelSize >= 0.25 && p.voxelSize <= 4))
-    text << "Phantom: the voxel size must lie between 0.25 and 4 mm, but it is " << p.voxelSize << ".";
+    text << "Phantom: the voxel size must lie between 0.25 and 4 mm, but it is " << p.voxelSize
+         << ".";
   else if (!(std::fabs(p.twist) <= 360))
-    text << "Phantom: the twist must lie between -360 and 360 degrees, but it is " << p.twist << ".";
+    text << "Phantom: the twist must lie between -360 and 360 degrees, but it is " << p.twist
+         << ".";
   if (!text.str().empty()) throw ParameterError(text.str());
 }
 
@@ -69,7 +74,8 @@ void fillPolygon(const std::vector<Vector2>& polygon, int k, ScalarGrid& grid) {
     crossings.clear();
     for (size_t i = 0; i < polygon.size(); ++i) {
       const Vector2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-      if ((p[1] >= y) != (q[1] >= y)) crossings.push_back(p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
+      if ((p[1] >= y) != (q[1] >= y))
+        crossings.push_back(p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
     }
     std::sort(crossings.begin(), crossings.end());
     size_t passed = 0;
@@ -96,12 +102,15 @@ void fillSheet(const Points& sheet, const Eigen::VectorXd& heights, ScalarGrid& 
   for (int k = 0; k < grid.size[2]; ++k) {
     const double z = grid.origin[2] + grid.spacing[2] * k;
     if (z < heights.minCoeff() || z > heights.maxCoeff()) continue;
-    const Eigen::Index above = std::lower_bound(heights.data(), heights.data() + heights.size(), z) - heights.data();
+    const Eigen::Index above =
+        std::lower_bound(heights.data(), heights.data() + heights.size(), z) - heights.data();
     const Eigen::Index i = std::clamp<Eigen::Index>(above, 1, heights.size() - 1);
     const double f = (z - heights[i - 1]) / (heights[i] - heights[i - 1] + 1e-12);
     for (Eigen::Index c = 0; c < columns; ++c)
       ring[static_cast<size_t>(c)] =
-          ((1 - f) * sheet.row((i - 1) * columns + c) + f * sheet.row(i * columns + c)).head<2>().transpose();
+          ((1 - f) * sheet.row((i - 1) * columns + c) + f * sheet.row(i * columns + c))
+              .head<2>()
+              .transpose();
     fillPolygon(ring, k, grid);
   }
 }
@@ -138,7 +147,8 @@ struct VentriclePhantom::Meridian {
 };
 
 VentriclePhantom::Circle VentriclePhantom::circle(double u, double contraction) const {
-  const double onSheet = std::min(u, 1.0), phi = onSheet * pi * 0.5 * 1.25, turn = twist_ * contraction * (1 - onSheet);
+  const double onSheet = std::min(u, 1.0), phi = onSheet * pi * 0.5 * 1.25,
+               turn = twist_ * contraction * (1 - onSheet);
   const double distance = onSheet - infarctU_;
   return {onSheet,
           u - onSheet,
@@ -155,11 +165,12 @@ VentriclePhantom::Meridian VentriclePhantom::meridian(double theta) const {
           std::exp(-away * away / (2 * 0.5 * 0.5))};
 }
 
-Vector3 VentriclePhantom::position(const Circle& circle, const Meridian& meridian, double contraction, double m) const {
+Vector3 VentriclePhantom::position(const Circle& circle, const Meridian& meridian,
+                                   double contraction, double m) const {
   const double local = contraction * (1 - 0.9 * circle.infarct * meridian.infarct);
   const double radial = 1 - radialContraction * local, axial = 1 - shortening * contraction;
-  const double shape =
-      1 + bulge_[0] * meridian.cos2 + (bulge_[1] * meridian.sin3 + bulge_[2] * meridian.cos) * circle.u;
+  const double shape = 1 + bulge_[0] * meridian.cos2 +
+                       (bulge_[1] * meridian.sin3 + bulge_[2] * meridian.cos) * circle.u;
   const double outward = circle.lid > 0 ? 0 : wallThickness * (1 + thickening * local) * m;
   const double cosTurned = meridian.cos * circle.cosTurn - meridian.sin * circle.sinTurn;
   const double sinTurned = meridian.sin * circle.cosTurn + meridian.cos * circle.sinTurn;
@@ -184,18 +195,22 @@ Points VentriclePhantom::sheet(int rows, int columns, double phase, double m) co
   for (int i = 0; i < rows; ++i) {
     const Circle here = circle(static_cast<double>(i) / (rows - 1), c);
     for (int j = 0; j < columns; ++j)
-      points.row(i * columns + j) = position(here, meridians[static_cast<size_t>(j)], c, m).transpose();
+      points.row(i * columns + j) =
+          position(here, meridians[static_cast<size_t>(j)], c, m).transpose();
   }
   return points;
 }
 
 ScalarGrid VentriclePhantom::mask(int phase) const {
   if (phase < 0 || phase >= parameters_.phases)
-    throw ParameterError("Phantom: there is no phase " + std::to_string(phase) + ", they are numbered from 0 to " +
-                         std::to_string(parameters_.phases - 1) + ".");
+    throw ParameterError("Phantom: there is no phase " + std::to_string(phase) +
+                         ", they are numbered from 0 to " + std::to_string(parameters_.phases - 1) +
+                         ".");
   const double h = parameters_.voxelSize;
-  const Points inner = sheet(maskRows, 2 * maskRows, phase, 0), outer = sheet(maskRows, 2 * maskRows, phase, 1);
-  const Eigen::VectorXd innerHeights = rowHeights(inner, maskRows), outerHeights = rowHeights(outer, maskRows);
+  const Points inner = sheet(maskRows, 2 * maskRows, phase, 0),
+               outer = sheet(maskRows, 2 * maskRows, phase, 1);
+  const Eigen::VectorXd innerHeights = rowHeights(inner, maskRows),
+                        outerHeights = rowHeights(outer, maskRows);
   const Vector3 low = outer.colwise().minCoeff().transpose().array() - 4 * h;
   const Vector3 high = outer.colwise().maxCoeff().transpose().array() + 4 * h;
   const Eigen::Vector3i size = ((high - low) / h).array().ceil().cast<int>() + 1;
@@ -232,9 +247,13 @@ PhantomMesh VentriclePhantom::mesh(int phase) const {
   return mesh;
 }
 
-/// The u at which the material line (theta, m) has this height; 1 if it lies below it. Height grows with u.
-double VentriclePhantom::heightToU(double height, const Meridian& meridian, double contraction, double m) const {
-  const auto heightAt = [&](double u) { return position(circle(u, contraction), meridian, contraction, m)[2]; };
+/// The u at which the material line (theta, m) has this height; 1 if it lies below it. Height grows
+/// with u.
+double VentriclePhantom::heightToU(double height, const Meridian& meridian, double contraction,
+                                   double m) const {
+  const auto heightAt = [&](double u) {
+    return position(circle(u, contraction), meridian, contraction, m)[2];
+  };
   double low = 0.5, high = 1;
   if (heightAt(high) <= height) return high;
   for (int i = 0; i < 25; ++i) {
@@ -244,14 +263,16 @@ double VentriclePhantom::heightToU(double height, const Meridian& meridian, doub
   return (low + high) / 2;
 }
 
-/// Closest points on a fine mesh of the ventricle's surface at that phase, the coordinates interpolated. Between its
-/// samples (less than 2 mm) the surface is about 0.02 mm from flat. base: the height where the mask ends, mm.
+/// Closest points on a fine mesh of the ventricle's surface at that phase, the coordinates
+/// interpolated. Between its samples (less than 2 mm) the surface is about 0.02 mm from flat. base:
+/// the height where the mask ends, mm.
 Points VentriclePhantom::materialCoordinates(const Points& vertices, int phase, double base) const {
   constexpr int columns = 150, rows = 75, lidRows = 20;
   const bool wall = parameters_.part == PhantomParameters::Part::Wall;
   const double contracted = contraction(phase);
-  // One strip from the inner apex to the base and, for the wall, over the cut and down to the outer apex; for the
-  // cavity over the lid to its centre. The seam column is there twice, with theta = 0 and 2 pi.
+  // One strip from the inner apex to the base and, for the wall, over the cut and down to the outer
+  // apex; for the cavity over the lid to its centre. The seam column is there twice, with theta = 0
+  // and 2 pi.
   const int strip = wall ? 2 * rows + lidRows - 1 : rows + lidRows;
   Points coordinates(static_cast<Eigen::Index>(strip) * (columns + 1), 3);
   for (int c = 0; c <= columns; ++c) {
@@ -277,7 +298,8 @@ Points VentriclePhantom::materialCoordinates(const Points& vertices, int phase, 
   }
   Points points(coordinates.rows(), 3);
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    points.row(i) = position(coordinates(i, 0), coordinates(i, 1), phase, coordinates(i, 2)).transpose();
+    points.row(i) =
+        position(coordinates(i, 0), coordinates(i, 1), phase, coordinates(i, 2)).transpose();
   Triangles faces(static_cast<Eigen::Index>(strip - 1) * columns * 2, 3);
   Eigen::Index f = 0;
   for (int r = 0; r + 1 < strip; ++r)

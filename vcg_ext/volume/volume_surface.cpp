@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/volume/volume_surface.h"
 
 #include <Eigen/LU>
@@ -13,14 +14,17 @@ namespace sphere_propagation {
 namespace {
 
 // In working voxels.
-constexpr float band = 3;          // distances count up to here: what is farther says nothing about the surface
+constexpr float band =
+    3;  // distances count up to here: what is farther says nothing about the surface
 constexpr float corrected = 0.5F;  // the distance of a voxel that changed sides
-constexpr float held = 0.25F;      // and of one that smoothing would have changed, but topology does not let
-constexpr float least = 0.02F;     // no vertex closer to a voxel: its faces would be slivers
-constexpr double largestShift = 0.25;
+constexpr float held =
+    0.25F;  // and of one that smoothing would have changed, but topology does not let
+constexpr float least = 0.02F;  // no vertex closer to a voxel: its faces would be slivers
+constexpr double maxShift = 0.25;
 constexpr int relaxations = 10;
 
-/// The volume of the cells, those at the border counted by the share that lies inside as far as the distance tells.
+/// The volume of the cells, those at the border counted by the share that lies inside as far as the
+/// distance tells.
 double volumeOf(const std::vector<float>& distance, double h) {
   double sum = 0;
   for (const float d : distance) sum += std::clamp(static_cast<double>(d) / h + 0.5, 0.0, 1.0);
@@ -55,7 +59,8 @@ void relax(Points& vertices, const Triangles& faces) {
       for (int k = 0; k < 3; ++k) sums.row(faces(f, k)) += vertices.row(faces(f, (k + 1) % 3));
     const Points normals = vertexNormals(vertices, faces);
     for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-      const Eigen::RowVector3d step = sums.row(v) / valence[v] - vertices.row(v), normal = normals.row(v);
+      const Eigen::RowVector3d step = sums.row(v) / valence[v] - vertices.row(v),
+                               normal = normals.row(v);
       vertices.row(v) += 0.5 * (step - step.dot(normal) * normal);
     }
   }
@@ -66,13 +71,14 @@ void restoreVolume(Points& vertices, const Triangles& faces, double volume, doub
   for (int i = 0; i < 3; ++i) {
     const double area = faceAreas(vertices, faces).sum();
     if (!(area > 0)) return;
-    const double step = std::clamp((volume - enclosedVolume(vertices, faces)) / area, -limit, limit);
+    const double step =
+        std::clamp((volume - enclosedVolume(vertices, faces)) / area, -limit, limit);
     vertices += step * vertexNormals(vertices, faces);
   }
 }
 
-/// The field of which marching cubes takes the surface: smooth, and with the sign of the mask, which follows it as far
-/// as its topology lets.
+/// The field of which marching cubes takes the surface: smooth, and with the sign of the mask,
+/// which follows it as far as its topology lets.
 void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviation) {
   const auto unit = static_cast<float>(h);
   for (size_t i = 0; i < grid.values.size(); ++i) {
@@ -84,7 +90,7 @@ void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviatio
   if (standardDeviation > 0) {
     const long inside = std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1});
     smoothGaussian(grid, standardDeviation);
-    const float level = levelWith(grid.values, inside, static_cast<float>(largestShift) * unit);
+    const float level = levelWith(grid.values, inside, static_cast<float>(maxShift) * unit);
     for (float& d : grid.values) d -= level;
     moveBySimplePoints(mask, grid.values);
   }
@@ -121,7 +127,8 @@ VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParamete
                       " mm lies inside: choose a smaller voxel_size.");
   if (parameters.keepLargestComponent) result.dropped = keepLargestPart(mask);
   if (parameters.fillHoles) result.filledVoxels = fillCavities(mask);
-  if (parameters.cutHandles) result.handles = removeHandles(mask, grid.values, part(progress, 0.2, 0.8));
+  if (parameters.cutHandles)
+    result.handles = removeHandles(mask, grid.values, part(progress, 0.2, 0.8));
 
   std::vector<float> signedDistances = grid.values;
   for (size_t i = 0; i < signedDistances.size(); ++i)
@@ -134,10 +141,10 @@ VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParamete
 
   IsoSurface surface = marchingCubes(grid, 0, FaceRule::SeparateInside);
   relax(surface.vertices, surface.faces);
-  restoreVolume(surface.vertices, surface.faces, volume, largestShift * h);
+  restoreVolume(surface.vertices, surface.faces, volume, maxShift * h);
   const Eigen::Matrix3d linear = field.toWorld.topLeftCorner<3, 3>();
-  result.vertices =
-      (surface.vertices * linear.transpose()).rowwise() + field.toWorld.topRightCorner<3, 1>().transpose();
+  result.vertices = (surface.vertices * linear.transpose()).rowwise() +
+                    field.toWorld.topRightCorner<3, 1>().transpose();
   result.faces = std::move(surface.faces);
   if (linear.determinant() < 0) result.faces.col(1).swap(result.faces.col(2));
   result.volume = enclosedVolume(result.vertices, result.faces);

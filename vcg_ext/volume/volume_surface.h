@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// From the labels of one phase to a surface with nothing left to repair.
 
@@ -9,15 +10,15 @@ namespace sphere_propagation {
 
 struct VolumeSurfaceParameters {
   SliceInterpolationParameters interpolation;  ///< labels, size of the working voxels, gaps
-  double smoothing = 1;                        ///< Gaussian, standard deviation in working voxels, 0 to 5
-  bool fillHoles = true;                       ///< cavities that the labels enclose completely
-  bool keepLargestComponent = true;            ///< drop all parts but the one with the most working voxels
-  bool cutHandles = true;                      ///< every part comes out of genus 0, without cavities
+  double smoothing = 1;              ///< Gaussian, standard deviation in working voxels, 0 to 5
+  bool fillHoles = true;             ///< cavities that the labels enclose completely
+  bool keepLargestComponent = true;  ///< drop all parts but the one with the most working voxels
+  bool cutHandles = true;            ///< every part comes out of genus 0, without cavities
 };
 
 struct VolumeSurface {
-  Points vertices;         ///< #V by 3, mm, in the world
-  Triangles faces;         ///< #F by 3; closed, manifold, outward, also where the labels' matrix mirrors
+  Points vertices;  ///< #V by 3, mm, in the world
+  Triangles faces;  ///< #F by 3; closed, manifold, outward, also where the labels' matrix mirrors
   double labelVolume = 0;  ///< of the voxels with the labels, mm^3
   double volume = 0;       ///< that the surface encloses, mm^3
   double voxelSize = 0;    ///< of the working grid, mm
@@ -28,15 +29,17 @@ struct VolumeSurface {
   RemovedHandles handles;  ///< of the working grid
 };
 
-/// 1. interpolateSlices; inside is where it is positive. 2. keepLargestPart, fillCavities, removeHandles, as asked for.
-/// 3. The distances, where they agree with that, smoothed by a Gaussian and shifted to keep the number of inside
-/// voxels; the mask follows by simple points (moveBySimplePoints), and where it cannot, its own side holds. 4.
-/// marchingCubes with the face rule that realises the mask's topology. 5. The vertices are spread within the surface
-/// (steps towards the mean of the neighbours, tangential part only), so that triangles get a decent shape, and the
-/// whole is moved along its normals by the little that brings back the volume that the voxels have.
+/// 1. interpolateSlices; inside is where it is positive. 2. keepLargestPart, fillCavities,
+/// removeHandles, as asked for.
+/// 3. The distances, where they agree with that, smoothed by a Gaussian and shifted to keep the
+/// number of inside voxels; the mask follows by simple points (moveBySimplePoints), and where it
+/// cannot, its own side holds. 4. marchingCubes with the face rule that realises the mask's
+/// topology. 5. The vertices are spread within the surface (steps towards the mean of the
+/// neighbours, tangential part only), so that triangles get a decent shape, and the whole is moved
+/// along its normals by the little that brings back the volume that the voxels have.
 ///
-/// With cutHandles and keepLargestComponent the result is a sphere topologically, whatever the labels.
-/// Throws what interpolateSlices throws; ParameterError when smoothing is out of range.
+/// With cutHandles and keepLargestComponent the result is a sphere topologically, whatever the
+/// labels. Throws what interpolateSlices throws; ParameterError when smoothing is out of range.
 VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters = {},
                             const Progress& progress = {});
 

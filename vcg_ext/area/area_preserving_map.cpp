@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/area/area_preserving_map.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "vcg_ext/area/area_minimiser.h"
+#include "vcg_ext/area/area_schedule.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Weight of the shape term beside an area term of 1. Squares, so that the range in which the two
+/// balance spreads over the slider; the least keeps faces from degenerating while areas travel, and
+/// is far below what can be seen in the areas.
+double shapeWeight(double areaWeight) {
+  constexpr double even = 0.02, least = 1e-6;
+  const double ratio = (1 - areaWeight) / areaWeight;
+  return std::max(even * ratio * ratio, least);
+}
+
+}  // namespace
+
+AreaEnergyWeights energyWeights(double areaWeight) {
+  if (!(areaWeight >= 0 && areaWeight <= 1))
+    throw ParameterError("The area weight must lie between 0 and 1; it is " +
+                         std::to_string(areaWeight) + ".");
+  return areaWeight == 0 ? AreaEnergyWeights{0, 1} : AreaEnergyWeights{1, shapeWeight(areaWeight)};
+}
+
+AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
+                                        const AreaPreservingParameters& parameters,
+                                        const Progress& progress, ThreadPool* pool) {
+  const AreaEnergyWeights weights = energyWeights(parameters.areaWeight);
+  AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()), pool);
+  AreaPreservingResult result{start, 0};
+  Points positions = start.positions();
+  result.steps = minimiseInStages(minimiser, weights, positions, progress);
+  result.map = SphereMap(surface, std::move(positions));
+  report(progress, 1);
+  return result;
+}
+
+}  // namespace sphere_propagation

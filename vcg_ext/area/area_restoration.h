@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Moving a map towards area preservation while it keeps its meaning: what lay under a direction
+/// stays near it.
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/sphere/sphere_map.h"
+
+namespace sphere_propagation {
+
+/// Gives each face the solid angle s^(1 - amount) a^amount, all scaled to 4 pi together, where s is
+/// what it has on the given map and a its share of the surface, by minimising the energy of
+/// area_energy.h. Its shape term compares with the faces of the given map, not with those of the
+/// surface: of all maps with these areas the one asked for deforms the given one the least, and
+/// nothing happens where nothing has to. (Maps of given areas are many: with the surface's shapes
+/// the vertices slide towards the map that the surface prefers, and layers that corresponded no
+/// longer do.) A rotation is no deformation: in the end the sphere is turned back onto the given
+/// map, in the least squares of the vertices weighted by their areas on the surface.
+///
+/// amount: in [0, 1]. 0 returns the map bit for bit; 1 preserves areas all but exactly.
+/// Every step keeps the map valid. Throws ParameterError when amount is outside its range or the
+/// map is not the surface's.
+SphereMap restoreArea(const ClosedSurface& surface, const SphereMap& map, double amount,
+                      const Progress& progress = {});
+
+}  // namespace sphere_propagation

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Reading a map off a reference that was moved onto another surface, however it was moved.
+
+#include <vector>
+
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/propagation/transfer/residual.h"
+#include "vcg_ext/sphere/sphere_map.h"
+
+namespace sphere_propagation {
+
+struct TransferredMap {
+  SphereMap map;          ///< of the target, valid
+  int repairedFaces = 0;  ///< faces that were flipped as read off, before the repair
+  Residual residual;      ///< of the distances
+  std::vector<double>
+      distances;  ///< #V of the target: from each vertex to the point that it was read off at
+};
+
+/// Gives each vertex of the target the sphere position at the closest point of the moved reference,
+/// interpolated on the face and normalised; then untangles what is flipped (untangling.h), and
+/// nothing else.
+///
+/// Only faces that look the same way count as close: those whose normal, as moved, has a dot
+/// product of at least 0.3 with the vertex' normal, so that the two sides of a thin wall keep
+/// apart. A vertex at a tip, whose normal agrees with none of its own faces as well as that, asks
+/// no more of others than nine tenths of what the best of its own reaches; one whose normals
+/// cancel, or with which no face agrees, takes the closest of all faces. So a surface that is read
+/// off itself gets the map that it has.
+///
+/// As positions are interpolated, a target with more vertices than the reference needs no repair
+/// for that.
+///
+/// reference: the surface that has a map; referenceMap: that map; movedVertices: #V of the
+/// reference by 3, finite, where its vertices are when it lies on the target; target: the surface
+/// that gets a map. Throws ParameterError, which names the reference, when the map or the vertices
+/// are not its own, MapError, which names the target, when the repair fails.
+TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
+                           const Points& movedVertices, const ClosedSurface& target);
+
+/// The same, for a reference that is read off many times. order: of a locator of its faces,
+/// wherever its vertices are.
+TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
+                           const Points& movedVertices, const ClosedSurface& target,
+                           const std::vector<int>& order);
+
+}  // namespace sphere_propagation

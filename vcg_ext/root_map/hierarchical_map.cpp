@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/root_map/hierarchical_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "vcg_ext/area/area_minimiser.h"
+#include "vcg_ext/area/area_schedule.h"
+#include "vcg_ext/area/local_step.h"
+#include "vcg_ext/base/rotation.h"
+#include "vcg_ext/mesh/hierarchy/collapsible_mesh.h"
+#include "vcg_ext/mesh/hierarchy/simplification.h"
+#include "vcg_ext/mesh/hierarchy/spatial_order.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/sphere/kernel_placement.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Of the coarse levels, whose triangles say little about the surface's.
+constexpr ShapeTrust coarseTrust{0.1, 0.02};
+/// All vertices are moved each time when there are so many times as many as the last time.
+constexpr double levelRatio = 2;
+/// Few vertices cost nothing, and what goes wrong among them takes long to mend later: below this
+/// number all vertices are moved more often, and local steps go first.
+constexpr int coarse = 200;
+constexpr double coarseRatio = 1.3;
+
+class Refinement {
+ public:
+  Refinement(const ClosedSurface& surface, const AreaEnergyWeights& weights, ThreadPool& pool)
+      : surface_(surface), final_(weights), pool_(pool), order_(spatialOrder(surface.vertices())) {
+    mesh_.emplace(surface, order_);
+    for (int f = 0; f < surface.faceCount(); ++f) totalArea_ += mesh_->area(3 * f);
+    positions_.resize(surface.vertexCount(), 3);
+  }
+
+  HierarchicalResult run(const Progress& progress) {
+    const std::vector<int> rounds = simplify(*mesh_, pool_, part(progress, 0, 0.12));
+    layTetrahedron();
+    double next = 6;
+    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
+      bringBack(*round);
+      const int n = mesh_->vertexCount();
+      if (n >= next && n < mesh_->allVertices()) {
+        improve(weightsAt(n), n < coarse ? 30 : n < 10 * coarse ? 10 : 3);
+        next = (n < coarse ? coarseRatio : levelRatio) * n;
+        report(progress, 0.12 + 0.36 * n / mesh_->allVertices());
+      }
+    }
+    finish(part(progress, 0.48, 1));
+    return std::move(result_);
+  }
+
+ private:
+  AreaEnergyWeights weightsAt(int vertices) const {
+    // The finer the level, the less has to be moved, and the less the shapes need to be minded.
+    const double shape = 0.05 * std::min(1.0, std::pow(1000.0 / vertices, 0.7));
+    return {1, std::max(shape, final_.area > 0 ? final_.shape : 0)};
+  }
+
+  void layTetrahedron() {
+    const std::array<int, 4> corners = mesh_->tetrahedron();
+    const Eigen::Matrix<double, 4, 3> regular = regularTetrahedron();
+    for (int i = 0; i < 4; ++i) positions_.row(corners[i]) = regular.row(i);
+  }
+
+  void gather(int v, VertexStar& star) const {
+    star.rim.clear();
+    star.targets.clear();
+    const double mean = 4 * pi / (2 * mesh_->vertexCount() - 4);
+    const int first = mesh_->someHalfEdge(v);
+    int h = first;
+    do {
+      const int w = mesh_->target(h), next = mesh_->turned(h);
+      star.rim.emplace_back(positions_.row(w).transpose());
+      star.targets.emplace_back(
+          4 * pi * mesh_->area(h) / totalArea_, mean,
+          faceStiffness({mesh_->point(v), mesh_->point(w), mesh_->point(mesh_->target(next))},
+                        coarseTrust));
+      h = next;
+    } while (h != first);
+  }
+
+  /// Takes back the last `count` collapses and places the vertices.
+  void bringBack(int count) {
+    std::vector<int> halfEdges, back;
+    std::vector<char> lost;
+    constexpr int attempts = 4;
+    for (int attempt = 1;; ++attempt) {
+      back.clear();
+      halfEdges.clear();
+      for (int i = 0; i < count; ++i) {
+        halfEdges.push_back(mesh_->lastCollapse());
+        back.push_back(mesh_->undo());
+      }
+      placeAll(back, lost);
+      const auto found = std::find(lost.begin(), lost.end(), 1);
+      if (found == lost.end()) {
+        if (attempt > 1) improve(weightsAt(mesh_->vertexCount()), 30);
+        return;
+      }
+      if (attempt == attempts) {
+        const int v = order_[back[static_cast<size_t>(found - lost.begin())]];
+        throw MapError(std::count(lost.begin(), lost.end(), 1), surface_.outgoing(v)[0] / 3,
+                       "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " +
+                           std::to_string(v) + ".");
+      }
+      // Some kernel is empty up to rounding: the faces there are slivers. Without these vertices
+      // again, faces get better shapes at the cost of their areas, which come home afterwards.
+      for (auto h = halfEdges.rbegin(); h != halfEdges.rend(); ++h) mesh_->collapse(*h);
+      improve({1, std::pow(10.0, attempt - 1)}, 30);
+    }
+  }
+
+  /// No two of these vertices are neighbours, so each sees only vertices that do not move. lost:
+  /// which found no place.
+  void placeAll(const std::vector<int>& back, std::vector<char>& lost) {
+    const AreaEnergyWeights weights = weightsAt(mesh_->vertexCount());
+    lost.assign(back.size(), 0);
+    pool_.forRanges(static_cast<int>(back.size()), [&](int begin, int end) {
+      VertexStar star;
+      for (int i = begin; i < end; ++i) {
+        const int v = back[i];
+        gather(v, star);
+        Vector3 x;
+        // It went to the first of its ring: undo() puts that one first.
+        if (!placeInKernel(star.rim, star.rim[0], Admissible::minSolidAngle, x)) {
+          lost[i] = 1;
+          continue;
+        }
+        relaxVertex(star, weights, 3, x);
+        positions_.row(v) = x.transpose();
+      }
+    });
+  }
+
+  void sweep(const std::vector<int>& vertices, const AreaEnergyWeights& weights) {
+    VertexStar star;
+    for (int v : vertices) {
+      gather(v, star);
+      Vector3 x = positions_.row(v).transpose();
+      relaxVertex(star, weights, 1, x);
+      positions_.row(v) = x.transpose();
+    }
+  }
+
+  /// Moves all vertices that are there, in at most so many global steps.
+  void improve(const AreaEnergyWeights& weights, int steps) {
+    std::vector<int> vertices, faceOf;
+    FaceRings rings = mesh_->rings(vertices, faceOf);
+    const auto n = static_cast<int>(vertices.size());
+    AreaStepParameters step;
+    step.weights = weights;
+    std::vector<FaceTarget> targets(faceOf.size());
+    const double mean = 4 * pi / static_cast<double>(faceOf.size());
+    pool_.forRanges(static_cast<int>(targets.size()), [&](int begin, int end) {
+      for (int f = begin; f < end; ++f) {
+        const int h = 3 * faceOf[f];
+        targets[f] = {
+            4 * pi * mesh_->area(h) / totalArea_, mean,
+            faceStiffness({mesh_->point(mesh_->origin(h)), mesh_->point(mesh_->origin(h + 1)),
+                           mesh_->point(mesh_->origin(h + 2))},
+                          coarseTrust)};
+      }
+    });
+    AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
+    Points positions(n, 3);
+    const auto take = [&] {
+      for (int i = 0; i < n; ++i) positions.row(i) = positions_.row(vertices[i]);
+    };
+    take();
+    double energy = minimiser.energy(step.weights, positions);
+    for (int i = 0; i < steps; ++i) {
+      const double before = energy;
+      if (n < coarse) {
+        sweep(vertices, step.weights);
+        take();
+        energy = minimiser.energy(step.weights, positions);
+      }
+      energy *= minimiser.step(step, positions);
+      for (int j = 0; j < n; ++j) positions_.row(vertices[j]) = positions.row(j);
+      if (energy > 0.985 * before) break;
+    }
+    ++result_.levels;
+  }
+
+  void finish(const Progress& progress) {
+    std::vector<int> vertices, faceOf;
+    FaceRings rings = mesh_->rings(vertices, faceOf);
+    std::vector<FaceTarget> targets = faceTargets(mesh_->points(), rings.faces);
+    // Of large meshes more would cost much and be seen in the figures alone.
+    const bool isLarge = mesh_->allVertices() > 100000;
+    AreaSchedule schedule{0.5 * weightsAt(mesh_->allVertices()).shape, 0.96,
+                          isLarge ? 0.985 : 0.998, isLarge ? 60 : 100};
+    // Shapes have a minimum far above 0: what a step gains looks small beside it.
+    if (final_.area == 0 || (final_.shape > schedule.firstShape && !isLarge))
+      schedule.atTheEnd = 0.9997;
+    mesh_.reset();
+    AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
+    result_.steps =
+        minimiseInStages(minimiser, final_, positions_, part(progress, 0, 0.7), schedule);
+    bringHome(minimiser, part(progress, 0.7, 1));
+    ++result_.levels;
+    turnToSurface();
+  }
+
+  /// Where limbs are long, a few faces that span far too much may hold up the rest: then as from
+  /// any other start.
+  void bringHome(AreaMinimiser& minimiser, const Progress& progress) {
+    constexpr int rounds = 3;
+    const double whole = 4 * pi;
+    for (int i = 0; i < rounds && final_.area > 0; ++i) {
+      // Mean squared logarithm of the area ratio; shapes that count as much as areas keep these
+      // from home, too.
+      const double good =
+          i == 0 ? 1e-3 : 5e-3;  // once more only where much is left: it costs ten times the rest
+      if (minimiser.energy({1, 0}, positions_) < whole * std::max(good, final_.shape)) return;
+      Points moved = positions_;
+      const int steps =
+          minimiseInStages(minimiser, final_, moved,
+                           part(progress, static_cast<double>(i) / rounds, (i + 1.0) / rounds));
+      const double before = minimiser.energy(final_, positions_),
+                   after = minimiser.energy(final_, moved);
+      if (after >= before) return;
+      positions_.swap(moved);
+      result_.steps += steps;
+      if (after > 0.8 * before) return;
+    }
+  }
+
+  /// Back in the surface's order, and turned as the surface is.
+  void turnToSurface() {
+    Eigen::VectorXd areas = vertexAreas(surface_.vertices(), surface_.faces());
+    areas /= areas.sum();
+    const double extent =
+        (surface_.vertices().colwise().maxCoeff() - surface_.vertices().colwise().minCoeff())
+            .maxCoeff();
+    Vector3 centre = Vector3::Zero();
+    for (int v = 0; v < surface_.vertexCount(); ++v) centre += areas[v] * surface_.vertex(v);
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    result_.positions.resize(surface_.vertexCount(), 3);
+    for (int i = 0; i < surface_.vertexCount(); ++i) {
+      const int v = order_[i];
+      result_.positions.row(v) = positions_.row(i);
+      covariance += areas[v] * (surface_.vertex(v) - centre) / extent * positions_.row(i);
+    }
+    result_.positions *= bestRotation(covariance).transpose();
+    result_.positions.rowwise().normalize();
+  }
+
+  const ClosedSurface& surface_;
+  AreaEnergyWeights final_;
+  ThreadPool& pool_;
+  std::vector<int> order_;
+  std::optional<CollapsibleMesh> mesh_;
+  double totalArea_ = 0;
+  Points positions_;  // in the mesh's order
+  HierarchicalResult result_;
+};
+
+}  // namespace
+
+HierarchicalResult hierarchicalMap(const ClosedSurface& surface, const AreaEnergyWeights& weights,
+                                   ThreadPool& pool, const Progress& progress) {
+  return Refinement(surface, weights, pool).run(progress);
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sequence/layer_poses.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "vcg_ext/sequence/mirroring.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr double nearEnough = 0.05;  // in R
+constexpr double farBetter = 1.6;
+
+/// Whether another pose, or the mirror image, could fit far better than the shape does at this
+/// distance.
+bool mayFitFarBetter(const AlignedShape& shape, const AlignedShape& as, double distance) {
+  return distance > nearEnough * as.radius() && distance > farBetter * minShapeDistance(shape, as);
+}
+
+struct FoundPose {
+  LayerPose pose;
+  double distance;  // of the shapes, so laid
+};
+
+/// As it lies, or where another one was laid: what was moved with that needs no pose of its own.
+FoundPose poseAsItLies(const AlignedShape& shape, const AlignedShape& as,
+                       const RigidMotion& asToRoot) {
+  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse())};
+  if (!asToRoot.isIdentity()) {
+    const double beside = shapeDistance(shape, as);
+    if (beside < found.distance) {
+      found.distance = beside;
+      found.pose.toRoot = asToRoot;
+    }
+  }
+  return found;
+}
+
+/// The pose relative to a layer that lies well, `as` moved by asToRoot.
+FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
+  FoundPose found = poseAsItLies(shape, as, asToRoot);
+  if (mayFitFarBetter(shape, as, found.distance)) {
+    const RigidMotion motion = motionFromAnywhere(shape, as);
+    const double distance = shapeDistance(shape, as, motion);
+    if (found.distance > farBetter * distance) {
+      found.distance = distance;
+      found.pose.moved = true;
+      found.pose.toRoot = asToRoot * motion;
+    }
+  }
+  return found;
+}
+
+/// Whether the mirror image fits far better than the shape does at this distance.
+bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, double distance,
+                const AlignedShape& as) {
+  if (!mayFitFarBetter(shape, as, distance)) return false;
+  const AlignedShape mirrored(mirrorImage(surface));
+  return distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
+}
+
+}  // namespace
+
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const PropagationTree& tree, ThreadPool& pool) {
+  return findLayerPoses(surfaces, alignedShapes(surfaces, pool), tree, pool);
+}
+
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const std::vector<AlignedShape>& shapes,
+                                      const PropagationTree& tree, ThreadPool& pool) {
+  std::vector<LayerPose> poses(surfaces.size());
+  const std::vector<std::vector<int>> levels = tree.levels();
+  const auto find = [&](int t) {
+    const int s = tree.parent[static_cast<size_t>(t)];
+    const auto i = static_cast<size_t>(t);
+    // A parent that was moved lies as well as its alignment made it; an ancestor that was not may
+    // tell more.
+    int ancestor = s;
+    while (poses[static_cast<size_t>(ancestor)].moved)
+      ancestor = tree.parent[static_cast<size_t>(ancestor)];
+    const auto near = static_cast<size_t>(s), far = static_cast<size_t>(ancestor);
+    FoundPose found = findPose(shapes[i], shapes[far], poses[far].toRoot);
+    const bool anew = found.pose.moved && near != far;
+    if (anew) found = findPose(shapes[i], shapes[near], poses[near].toRoot);
+    // Behind a layer that does not belong to the others: where one farther up fits as this one
+    // lies, it lies well.
+    for (int a = tree.parent[far]; found.pose.moved && a >= 0;
+         a = tree.parent[static_cast<size_t>(a)]) {
+      const auto up = static_cast<size_t>(a);
+      const FoundPose lies = poseAsItLies(shapes[i], shapes[up], poses[up].toRoot);
+      if (!mayFitFarBetter(shapes[i], shapes[up], lies.distance)) found = lies;
+    }
+    LayerPose& pose = poses[i];
+    pose = found.pose;
+    pose.mirrored = isMirrored(surfaces[i], shapes[i], found.distance, shapes[anew ? near : far]);
+    const Vector3& centre = shapes[i].centre();
+    pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
+    pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
+  };
+  for (size_t level = 1; level < levels.size(); ++level)
+    pool.forEach(static_cast<int>(levels[level].size()),
+                 [&](int k) { find(levels[level][static_cast<size_t>(k)]); });
+  return poses;
+}
+
+ClosedSurface movedSurface(const ClosedSurface& surface, const RigidMotion& motion) {
+  return {motion.applyTo(surface.vertices()), surface.faces(), surface.name()};
+}
+
+}  // namespace sphere_propagation

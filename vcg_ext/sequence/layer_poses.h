@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Layers that lie somewhere else than the rest of the sequence: shifted, turned round, or
+/// mirrored.
+///
+/// A motion model cannot tell a layer that was moved as a whole from tissue that slid along its
+/// surface: it has to know the pose first. Phases of one scan share a frame, and what they move in
+/// it is the heart's; so a layer is taken as it lies unless another pose fits its parent far
+/// better.
+
+#include <vector>
+
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/registration/rigid_alignment.h"
+#include "vcg_ext/registration/shape_alignment.h"
+#include "vcg_ext/sequence/propagation_tree.h"
+
+namespace sphere_propagation {
+
+struct LayerPose {
+  RigidMotion toRoot;  ///< lays the layer where it would lie in the root's frame; the identity
+                       ///< where it lies there
+  bool moved = false;  ///< whether it is in another pose than its parent
+  double shift = 0;    ///< of its centre by toRoot, in the unit of the vertices
+  double angle = 0;    ///< of toRoot's rotation, degrees
+  bool mirrored =
+      false;  ///< whether its mirror image fits its parent far better: a left one among right ones
+};
+
+/// surfaces: the layers; tree: one entry per layer; a layer's pose is found relative to its
+/// parent's. Distances of shapes are those of shape_alignment.h: a layer within 0.05 R of its
+/// parent (R: the radius of the sphere of its area) is as it should be; of others the best of many
+/// poses counts where it makes the distance at least 1.6 times smaller (over a heart's cycle,
+/// neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for where a
+/// difference of volumes alone rules that out. pool: who does the work, with the same result
+/// whatever the number of threads.
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const PropagationTree& tree, ThreadPool& pool);
+
+/// The same where alignedShapes(surfaces) are there already.
+std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
+                                      const std::vector<AlignedShape>& shapes,
+                                      const PropagationTree& tree, ThreadPool& pool);
+
+/// The surface moved.
+ClosedSurface movedSurface(const ClosedSurface& surface, const RigidMotion& motion);
+
+}  // namespace sphere_propagation

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/sphere/sphere_walk.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "vcg_ext/sphere/ray_weights.h"
+
+namespace sphere_propagation {
+namespace {
+
+// A face's weights are off by less than this times the square of the distance of its farthest
+// corner; a direction that lies deeper inside is in no other face.
+constexpr double rounding = 1e-12;
+
+struct Arrival {
+  int face;
+  Vector3 weights;
+  bool inside;  ///< or where rounding decides
+};
+
+Arrival walk(const ClosedSurface& surface, const Points& positions, const Vector3& p, int face) {
+  const Triangles& faces = surface.faces();
+  const auto corner = [&](int f, int k) -> Vector3 {
+    return positions.row(faces(f, k)).transpose();
+  };
+  const int steps = 16 + 4 * static_cast<int>(std::sqrt(static_cast<double>(surface.faceCount())));
+  Vector3 weights;
+  for (int i = 0;; ++i) {
+    weights = rayWeights(corner(face, 0), corner(face, 1), corner(face, 2), p);
+    int least = 0;
+    if (!(weights.minCoeff(&least) < 0)) return {face, weights, true};
+    if (i == steps) return {face, weights, false};
+    face = surface.twin(3 * face + (least + 1) % 3) / 3;  // across the side opposite that corner
+  }
+}
+
+}  // namespace
+
+int walkOverSphere(const ClosedSurface& surface, const Points& positions, const Vector3& direction,
+                   int start) {
+  return walk(surface, positions, direction, start).face;
+}
+
+SphereWalk::SphereWalk(const ClosedSurface& surface, const SphereMap& map)
+    : surface_(surface), map_(map) {}
+
+SurfacePoint SphereWalk::locate(const Vector3& direction) {
+  const Vector3 p = unitDirection(direction);
+  const Arrival arrival = walk(surface_, map_.positions(), p, at_);
+  at_ = arrival.face;
+  double farthest = 0;
+  for (int k = 0; k < 3; ++k)
+    farthest = std::max(farthest, (map_.position(surface_.faces()(at_, k)) - p).squaredNorm());
+  if (arrival.inside && arrival.weights.minCoeff() > rounding * farthest)
+    return pointOfRay(at_, arrival.weights);
+  if (!locator_) locator_.emplace(surface_, map_);
+  SurfacePoint found = locator_->locate(direction);
+  at_ = found.face;
+  return found;
+}
+
+}  // namespace sphere_propagation

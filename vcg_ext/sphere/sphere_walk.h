@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Point location on the sphere for directions that come in a row, each near the one before.
+
+#include <optional>
+
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/sphere/sphere_locator.h"
+#include "vcg_ext/sphere/sphere_map.h"
+
+namespace sphere_propagation {
+
+/// Walks over the faces of a map towards a direction, from the face that was found last: O.
+/// Devillers, S. Pion and M. Teillaud, Walking in a triangulation, 2002 (the visibility walk,
+/// across the edge that the direction lies farthest beyond). A few faces for a neighbour; nothing
+/// is built for it. Where a walk does not end, or ends so near an edge that rounding decides, a
+/// SphereLocator, built then, answers.
+///
+/// Keeps references to what it is given, and where it is: one walk per thread.
+class SphereWalk {
+ public:
+  SphereWalk(const ClosedSurface& surface, const SphereMap& map);
+
+  /// The same answer as SphereLocator::locate, and the same error.
+  SurfacePoint locate(const Vector3& direction);
+
+ private:
+  const ClosedSurface& surface_;
+  const SphereMap& map_;
+  int at_ = 0;
+  std::optional<SphereLocator> locator_;
+};
+
+/// The face of a valid map that a walk towards a direction ends in: the one under the direction, or
+/// where rounding decides, one beside it; after 16 + 4 sqrt(#F) faces wherever it is then.
+/// positions: #V by 3, the map; direction: a unit vector; start: the face that the walk begins in.
+int walkOverSphere(const ClosedSurface& surface, const Points& positions, const Vector3& direction,
+                   int start);
+
+}  // namespace sphere_propagation
