@@ -41,6 +41,24 @@ TEST(ShapeAlignment, FindsAnyPose) {
   }
 }
 
+TEST(ShapeAlignment, FindsTheSamePoseInAnyUnit) {
+  const Mesh mesh = bumpy(10, 1), other = bumpy(9, 2);
+  const Eigen::Matrix3d rotation = test::randomRotation(101);
+  const auto found = [&](double unit) {
+    const AlignedShape to(
+        surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), unit, Vector3::Zero())));
+    const AlignedShape from(
+        surfaceOf(test::transformed(other, rotation, unit, unit * Vector3(5, -40, 100))));
+    return motionFromAnywhere(from, to);
+  };
+  const RigidMotion usual = found(1);
+  for (const double unit : {1e-3, 1e3, 1e4}) {
+    const RigidMotion motion = found(unit);
+    EXPECT_LT((motion.rotation - usual.rotation).norm(), 1e-7) << unit;
+    EXPECT_LT((motion.translation / unit - usual.translation).norm(), 1e-5) << unit;
+  }
+}
+
 TEST(ShapeAlignment, DistanceIsZeroOnItselfAndSymmetric) {
   const AlignedShape a(surfaceOf(bumpy(8, 3))), b(surfaceOf(test::noisyEllipsoid(4)));
   EXPECT_LT(shapeDistance(a, a), 1e-12);

@@ -110,7 +110,7 @@ std::vector<Eigen::Matrix3d> icosahedralRotations() {
 }  // namespace
 
 /// Gauss-Newton on the distances of points from the planes at their closest points, as seen from
-/// the centre.
+/// the centre. All lengths are counted in R, so that ridge and stop mean the same in any unit.
 RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
                             const AlignedShape& to, Eigen::Index count, double enough) {
   const Points& points = from.vertices_.points();
@@ -132,7 +132,7 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
       const double scale = closest.distance / (0.1 * to.radius_);
       const double weight = 1 / (1 + scale * scale);
       Eigen::Matrix<double, 6, 1> row;
-      row << ((x - to.centre_) / to.radius_).cross(n), n / to.radius_;
+      row << ((x - to.centre_) / to.radius_).cross(n), n;
       matrix += weight * row * row.transpose();
       vector += weight * row * n.dot(p - x) / to.radius_;
     }
@@ -144,8 +144,8 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
     const Eigen::Matrix3d rotation = angle > 0
                                          ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()
                                          : Eigen::Matrix3d::Identity();
-    motion = {rotation * motion.rotation,
-              rotation * (motion.translation - to.centre_) + to.centre_ + step6.tail<3>()};
+    motion = {rotation * motion.rotation, rotation * (motion.translation - to.centre_) +
+                                              to.centre_ + to.radius_ * step6.tail<3>()};
     if (step6.norm() < enough) break;
   }
   return motion;
