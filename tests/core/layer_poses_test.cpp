@@ -79,6 +79,23 @@ TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
   }
 }
 
+TEST(LayerPoses, BehindALayerOfAnotherKindTheDistanceIsComparedWithTheShapeThatGaveThePose) {
+  // The last layer lies as it should in the root, which is larger; the layer between them is its
+  // mirror image, turned, and so fits it far better than the root does.
+  const Mesh small =
+      test::transformed(phaseOf(0), Eigen::Matrix3d::Identity(), 0.8, Vector3::Zero());
+  const Eigen::Matrix3d aside = Eigen::AngleAxisd(0.5, Vector3::UnitZ()).toRotationMatrix();
+  const std::vector<ClosedSurface> surfaces{
+      surfaceOf(phaseOf(0)),
+      surfaceOf(test::transformed(test::mirrored(small), aside, 1, Vector3::Zero())),
+      surfaceOf(small)};
+  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(3, 0), pool);
+  for (size_t i : {1, 2}) {
+    EXPECT_FALSE(poses[i].moved) << i;
+    EXPECT_FALSE(poses[i].mirrored) << i;
+  }
+}
+
 TEST(LayerPoses, AMirrorImageIsNamed) {
   std::vector<ClosedSurface> surfaces = sequence(3);
   surfaces[1] = surfaceOf(test::mirrored(phaseOf(1)));

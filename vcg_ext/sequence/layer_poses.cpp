@@ -20,13 +20,14 @@ bool mayFitFarBetter(const AlignedShape& shape, const AlignedShape& as, double d
 
 struct FoundPose {
   LayerPose pose;
-  double distance;  // of the shapes, so laid
+  double distance;         // of the shapes, so laid
+  const AlignedShape* as;  // from which that is
 };
 
 /// As it lies, or where another one was laid: what was moved with that needs no pose of its own.
 FoundPose poseAsItLies(const AlignedShape& shape, const AlignedShape& as,
                        const RigidMotion& asToRoot) {
-  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse())};
+  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse()), &as};
   if (!asToRoot.isIdentity()) {
     const double beside = shapeDistance(shape, as);
     if (beside < found.distance) {
@@ -52,12 +53,12 @@ FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const Rigi
   return found;
 }
 
-/// Whether the mirror image fits far better than the shape does at this distance.
-bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, double distance,
-                const AlignedShape& as) {
-  if (!mayFitFarBetter(shape, as, distance)) return false;
+/// Whether the mirror image fits far better than the shape does in the pose found.
+bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, const FoundPose& found) {
+  const AlignedShape& as = *found.as;
+  if (!mayFitFarBetter(shape, as, found.distance)) return false;
   const AlignedShape mirrored(mirrorImage(surface));
-  return distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
+  return found.distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
 }
 
 }  // namespace
@@ -82,8 +83,8 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
       ancestor = tree.parent[static_cast<size_t>(ancestor)];
     const auto near = static_cast<size_t>(s), far = static_cast<size_t>(ancestor);
     FoundPose found = findPose(shapes[i], shapes[far], poses[far].toRoot);
-    const bool anew = found.pose.moved && near != far;
-    if (anew) found = findPose(shapes[i], shapes[near], poses[near].toRoot);
+    if (found.pose.moved && near != far)
+      found = findPose(shapes[i], shapes[near], poses[near].toRoot);
     // Behind a layer that does not belong to the others: where one farther up fits as this one
     // lies, it lies well.
     for (int a = tree.parent[far]; found.pose.moved && a >= 0;
@@ -94,7 +95,7 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
     }
     LayerPose& pose = poses[i];
     pose = found.pose;
-    pose.mirrored = isMirrored(surfaces[i], shapes[i], found.distance, shapes[anew ? near : far]);
+    pose.mirrored = isMirrored(surfaces[i], shapes[i], found);
     const Vector3& centre = shapes[i].centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
