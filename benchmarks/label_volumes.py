@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Prints the table of docs/label_volumes.md: real hearts' label volumes, imported through PyMeshLab.
+"""Prints the table of docs/label_volumes.md: label volumes of real hearts, through PyMeshLab.
 
-    label_volumes.py [DATA]      DATA: folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+    label_volumes.py [DATA]
 
-Genus, volume and distances are measured by PyMeshLab and SciPy on the layers; what is said of the labels is the filter's.
+    DATA    folder with heart_cine and heart_truth
+            (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+
+Genus, volume and distances are measured by PyMeshLab and SciPy on the layers; what is said of the
+labels is the filter's.
 """
 
 import os
@@ -64,8 +68,9 @@ def row(path, labels):
     genus, volume = measured(meshes)
     share = 1000 * volume / returned["label_volume"]
     return (
-        f"| {path.parent.name} | {labels} | {len(genus)}, {int((genus == 0).sum())} | {volume[0]:.1f} / {volume.min():.1f} | "
-        f"{share.min():.3f} to {share.max():.3f} | {returned['vertices'].mean():.0f} | {returned['handles'].sum():.0f} | "
+        f"| {path.parent.name} | {labels} | {len(genus)}, {int((genus == 0).sum())} | "
+        f"{volume[0]:.1f} / {volume.min():.1f} | {share.min():.3f} to {share.max():.3f} | "
+        f"{returned['vertices'].mean():.0f} | {returned['handles'].sum():.0f} | "
         f"{returned['changed_voxels'].max():.0f} | {seconds:.1f} |"
     )
 
@@ -105,15 +110,16 @@ def main(data):
         )
     )
     print(
-        "| data | label | phases, of genus 0 | volume (ml), first / smallest | surface / voxels | vertices, mean | handles | "
-        "voxels changed, most in a phase | s |\n" + "| --- " * 9 + "|"
+        "| data | label | phases, of genus 0 | volume (ml), first / smallest | surface / voxels | "
+        "vertices, mean | handles | voxels changed, most in a phase | s |\n" + "| --- " * 9 + "|"
     )
     for name, every in VOLUMES:
         for labels in every:
             print(row(data / name, labels), flush=True)
     given = against_given_surfaces(data)
     print(
-        f"\nheart_cine against endo_TT.ply: {given[:, 0].mean():.2f} and {given[:, 1].mean():.2f} mm, worst phase {given.max():.2f} mm"
+        f"\nheart_cine against endo_TT.ply: {given[:, 0].mean():.2f} and {given[:, 1].mean():.2f} "
+        f"mm, worst phase {given.max():.2f} mm"
     )
     print(
         "heart_truth's wall, thin slices against every seventh: {:.2f} and {:.2f} mm".format(

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Sequences whose material points are known, made otherwise than the yardstick's phantom: nothing was chosen on them but what
-docs/propagation_robust.md says. Every phase is meshed anew (isotropic remeshing, target length varied by 10 %), and each vertex moved
-along its normal by noise of a tenth of the mean edge length.
+"""Sequences whose material points are known, made otherwise than the yardstick's phantom: nothing
+was chosen on them but what docs/propagation_robust.md says. Every phase is meshed anew (isotropic
+remeshing, target length varied by 10 %), and each vertex moved along its normal by noise of a tenth
+of the mean edge length.
 
-Ventricle       a left ventricle between confocal prolate spheroids, whose wall keeps its volume (after T. Arts et al., 1992)
-WarpedSurface   any closed surface under a smooth periodic warp of space: contraction along its axes and waves
+Ventricle       a left ventricle between confocal prolate spheroids, whose wall keeps its volume
+                (after T. Arts et al., 1992)
+WarpedSurface   any closed surface under a smooth periodic warp of space: contraction along its axes
+                and waves
 
-Both: at(t) -> (vertices, faces), the same faces at all t; tissue: which vertices are material; phases.
+Both: at(t) -> (vertices, faces), the same faces at all t; tissue: which vertices are material;
+phases.
 """
 
 import numpy as np
@@ -137,7 +141,8 @@ class Ventricle:
 
 
 class WarpedSurface:
-    """contraction: of the long axis and of the two others; waves: amplitude, in radii of gyration."""
+    """contraction: of the long axis and of the two others; waves: amplitude, in radii of
+    gyration."""
 
     def __init__(self, surface, seed, phases=25, contraction=(0.12, 0.25), waves=0.06):
         self.vertices, self.faces = surface
@@ -193,11 +198,15 @@ def meshed(motion, t, count, random, noise=0.1):
 
 
 def errors(motion, landmarks, closest_points):
-    """Mean distance of landmarks (one array a phase) from where the material points of phase 0 under them went."""
+    """Mean distance of landmarks (one array a phase) from where the material points of phase 0
+    under them went."""
     first, faces = motion.at(0)
     face, weights, _ = closest_points(first, faces, landmarks[0])
     counted = motion.tissue[faces[face]].all(1)
     moved = [
         np.einsum("pk,pkj->pj", weights, motion.at(t)[0][faces[face]]) for t in range(motion.phases)
     ]
-    return [np.linalg.norm(l - m, axis=1)[counted].mean() for l, m in zip(landmarks, moved)]
+    return [
+        np.linalg.norm(found - true, axis=1)[counted].mean()
+        for found, true in zip(landmarks, moved)
+    ]

@@ -2,9 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Prints the README's table: the main job on real hearts and on the phantom, through PyMeshLab.
 
-    main_job.py [DATA]      DATA: folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+    main_job.py [DATA]
 
-Maps and correspondences are measured by DATA/../yardstick, from what the filters stored, not by the filters' own figures.
+    DATA    folder with heart_cine and heart_truth
+            (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+
+Maps and correspondences are measured by DATA/../yardstick, from what the filters stored, not by the
+filters' own figures.
 """
 
 import os
@@ -26,7 +30,8 @@ def load_layers(files):
 
 
 def run_main_job(files, method, order):
-    """The project after the three filters, the landmarks of each layer, and the seconds it took with loading."""
+    """The project after the three filters, the landmarks of each layer, and the seconds it took
+    with loading."""
     start = time.perf_counter()
     project = load_layers(files)
     project.apply_filter("compute_spherical_parameterisation_root")
@@ -78,7 +83,8 @@ def main():
     )
     if not (data.parent / "yardstick/measure.py").exists():
         sys.exit(
-            f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and heart_truth."
+            f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and "
+            "heart_truth."
         )
     sys.path.insert(0, str(data.parent / "yardstick"))
     import measure
@@ -87,8 +93,8 @@ def main():
     pymeshlab.load_plugin(str(plugin))
 
     print(
-        "| data | layers | method | order | root: area sd / angle error | flipped faces, all layers | "
-        "landmark error, worst / mean (mm) | seconds |"
+        "| data | layers | method | order | root: area sd / angle error | flipped faces, all "
+        "layers | landmark error, worst / mean (mm) | seconds |"
     )
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     methods = ["As published", "Robust"]

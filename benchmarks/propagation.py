@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Prints how good propagation is and what it costs, in the unit u of the same run, and the paper's Table 1 run again.
+"""Prints how good propagation is and what it costs, in the unit u of the same run, and the paper's
+Table 1 run again.
 
-    propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM] [--only PART ...]
+    propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM]
+                   [--only PART ...]
 
-    EXE     propagation_benchmark (default: build/pymeshlab/benchmarks/propagation_benchmark; scripts/measure-propagation builds it)
-    DATA    folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data), the yardstick beside it
+    EXE     propagation_benchmark, which scripts/measure-propagation builds
+            (default: build/pymeshlab/benchmarks/propagation_benchmark)
+    DATA    folder with heart_cine and heart_truth, the yardstick beside it
+            (default SPHERE_PROPAGATION_DATA, else ../shared/data)
     seeds   how many phantoms of each kind are averaged (default 1)
-    peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes landmarks_TT.ply; run in the first table
-    PART    of: sequences, paper, disturbed, other (phantoms of another make and other organs; made_motions.py; data/classic, data/finch_skulls)
+    peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes
+            landmarks_TT.ply; run in the first table
+    PART    of: sequences, paper, disturbed, other (phantoms of another make and other organs:
+            made_motions.py; data/classic, data/finch_skulls)
 
-Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0, cyclic order. CPU: seconds of all
-threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's Laplacian. The least of three runs, of a peer one.
+Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
+cyclic order. CPU: seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's
+Laplacian. The least of three runs, of a peer one.
 """
 
 import argparse
@@ -28,13 +35,15 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 LANDMARKS = 1002
-# Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for the propagation (one core, 2.4 GHz).
+# Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for
+# the propagation (one core, 2.4 GHz).
 PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
 METHODS = {"published": "As published", "robust": "Robust"}
 
 
 def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False):
-    """What propagation_benchmark says (name -> number), and the landmarks, layer by layer; None where it failed and may."""
+    """What propagation_benchmark says (name -> number), and the landmarks, layer by layer; None
+    where it failed and may."""
     with tempfile.TemporaryDirectory() as folder:
         landmarks = Path(folder) / "landmarks"
         more = ["--root-map", root_map] if root_map else []
@@ -93,13 +102,16 @@ def row(cells):
     print("| " + " | ".join(cells) + " |", flush=True)
 
 
-def error_text(errors):
-    """errors: one list over phases per run; worst and mean, averaged over the runs."""
-    return (
+def error_text(errors, count=0):
+    """errors: one list over phases per run; worst and mean, averaged over the runs. count: how many
+    runs there should be."""
+    text = (
         f"{np.mean([max(e) for e in errors]):.2f} / {np.mean([np.mean(e) for e in errors]):.2f}"
         if errors
         else ""
     )
+    missing = count - len(errors)
+    return text + (f" ({missing} of {count}: no valid map)" if missing > 0 else "")
 
 
 def phases_of(phantom, kept, **choices):
@@ -137,7 +149,8 @@ def cost_cells(figures):
             for kind in ("cpu", "wall")
         ),
         *(
-            f"{1000 * figures[f'remeshing_{kind}']:.0f} + {1000 * figures[f'distances_{kind}']:.0f} ms = "
+            f"{1000 * figures[f'remeshing_{kind}']:.0f} + "
+            f"{1000 * figures[f'distances_{kind}']:.0f} ms = "
             f"{(figures[f'remeshing_{kind}'] + figures[f'distances_{kind}']) / u:.1f} u"
             for kind in ("cpu", "wall")
         ),
@@ -316,12 +329,6 @@ def other(options, measure, phantom, folder):
     root_map = str(folder / "root_map.ply")
     for name, motions in groups.items():
         found = {method: [] for method in (*METHODS, "peer")}
-
-        def cell(errors, count=len(motions)):
-            return error_text(errors) + (
-                f" ({count - len(errors)} of {count}: no valid map)" if len(errors) < count else ""
-            )
-
         radii = []
         for k, motion in enumerate(motions):
             place = folder / f"{name} {k}".replace(" ", "_")
@@ -347,7 +354,7 @@ def other(options, measure, phantom, folder):
                 str(len(motions)),
                 f"{np.mean(radii):.1f}",
                 *(
-                    cell(found[method])
+                    error_text(found[method], len(motions))
                     for method in (*METHODS, *(["peer"] if options.peer else []))
                 ),
             ]
@@ -374,7 +381,8 @@ def main():
     options = parser.parse_args()
     if not (options.data.parent / "yardstick/measure.py").exists():
         sys.exit(
-            f"No data in {options.data}, or no yardstick beside it: name the folder with heart_cine and heart_truth."
+            f"No data in {options.data}, or no yardstick beside it: name the folder with "
+            "heart_cine and heart_truth."
         )
     sys.path.insert(0, str(options.data.parent / "yardstick"))
     import measure

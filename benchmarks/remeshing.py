@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Prints what the filter "Remesh by icosphere" costs as a whole, through PyMeshLab: reading the layers, certifying their maps, landmarks,
-distances, writing the new layers.
+"""Prints what the filter "Remesh by icosphere" costs as a whole, through PyMeshLab: reading the
+layers, certifying their maps, landmarks, distances, writing the new layers.
 
-    remeshing.py [DATA]      DATA: folder with heart_cine and heart_truth (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+    remeshing.py [DATA]
 
-Milliseconds of a run that replaces earlier landmarks, the least of ten. scripts/measure-propagation prints the core's part, in the unit
-u, too.
+    DATA    folder with heart_cine and heart_truth
+            (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+
+Milliseconds of a run that replaces earlier landmarks, the least of ten. scripts/measure-propagation
+prints the core's part, in the unit u, too.
 """
 
 import os
@@ -21,7 +24,8 @@ VERTICES = 3500  # what the paper's layers have, about
 
 
 def mapped(files, vertices):
-    """A project whose layers all have a map; vertices: to which number they are decimated, None: as they are."""
+    """A project whose layers all have a map; vertices: to which number they are decimated, None: as
+    they are."""
     project = load_layers(files)
     for i in range(len(files) if vertices else 0):
         project.set_current_mesh(i)
@@ -61,7 +65,8 @@ def main():
         sys.exit(f"No data in {data}: name the folder with heart_cine and heart_truth.")
     pymeshlab.load_plugin(str(plugin))
     print(
-        "| data | layers | vertices, mean | one thread: wall, CPU (ms) | all threads: wall, CPU (ms) |\n| --- | --- | --- | --- | --- |"
+        "| data | layers | vertices, mean | one thread: wall, CPU (ms) | all threads: wall, CPU "
+        "(ms) |\n| --- | --- | --- | --- | --- |"
     )
     data_sets = (
         ("real patient with known truth", "heart_truth/mc/*.ply"),

@@ -1,18 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Prints how good the root map is and what it costs, beside the unit u and, where one is given, beside another program.
+"""Prints how good the root map is and what it costs, beside the unit u and, where one is given,
+beside another program.
 
-    root_map.py [--program EXE] [--data DATA] [--peer EXE [--peer-arguments "A B ..."]] [--threads N] [--series LARGEST] [MESH ...]
+    root_map.py [--program EXE] [--data DATA] [--peer EXE [--peer-arguments "A B ..."]]
+                [--threads N] [--series LARGEST] [MESH ...]
 
-    EXE     root_map_benchmark (default: build/pymeshlab/benchmarks/root_map_benchmark; scripts/measure-root-map builds it)
-    MESH    PLY files or what the program makes (blob:22, limbs:20:2, ...); default: the data's classic meshes, hearts and
-            skulls, and made limbs
-    peer    a program called as EXE ARGUMENTS INPUT.ply OUTPUT.ply; where ARGUMENTS contain {input} or {output}, these stand
-            for the files instead. OUTPUT has the vertices in the same order and properties px, py, pz (unit vectors).
-    series  the cost from 5 thousand vertices to about LARGEST (default 1000000; 0: none), and its exponent
+    EXE     root_map_benchmark, which scripts/measure-root-map builds
+            (default: build/pymeshlab/benchmarks/root_map_benchmark)
+    MESH    PLY files or what the program makes (blob:22, limbs:20:2, ...); default: the data's
+            classic meshes, hearts and skulls, and made limbs
+    peer    a program called as EXE ARGUMENTS INPUT.ply OUTPUT.ply; where ARGUMENTS contain {input}
+            or {output}, these stand for the files instead. OUTPUT has the vertices in the same
+            order and properties px, py, pz (unit vectors).
+    series  the cost from 5 thousand vertices to about LARGEST (default 1000000; 0: none), and its
+            exponent
 
-CPU seconds, warm, the least of three runs; u: CPU seconds of one Eigen SimplicialLDLT of the mesh's Laplacian, by the same
-program with the same flags. The area sd and the angle error are the yardstick's.
+CPU seconds, warm, the least of three runs; u: CPU seconds of one Eigen SimplicialLDLT of the mesh's
+Laplacian, by the same program with the same flags. The area sd and the angle error are the
+yardstick's.
 """
 
 import argparse
@@ -47,7 +53,8 @@ def cpu_of_children():
 
 
 def peer_figures(program, peer, arguments, mesh, folder):
-    """The least CPU seconds of three runs of the peer, reading and writing files included, and the figures of its map."""
+    """The least CPU seconds of three runs of the peer, reading and writing files included, and the
+    figures of its map."""
     given, made = Path(folder) / "given.ply", Path(folder) / "made.ply"
     figures(program, "--make", given, mesh)
     words = [word.format(input=given, output=made) for word in shlex.split(arguments)]
@@ -167,8 +174,8 @@ def main():
                     f"{math.log(found['cpu'] / first['cpu']) / grown:.3f}" if grown > 0 else ""
                 )
                 print(
-                    f"| {mesh} | {found['vertices']:.0f} | {found['sd']:.4f} | {found['cpu']:.2f} | {found['wall']:.2f} | "
-                    f"{found['MB']:.0f} | {exponent} |",
+                    f"| {mesh} | {found['vertices']:.0f} | {found['sd']:.4f} | {found['cpu']:.2f} "
+                    f"| {found['wall']:.2f} | {found['MB']:.0f} | {exponent} |",
                     flush=True,
                 )
 

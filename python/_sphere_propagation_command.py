@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Starts `sphere-propagation`.
 
-It lies outside the package because importing that loads PyMeshLab: what can go wrong there is to be said without a traceback, too.
+It lies outside the package because importing that loads PyMeshLab: what can go wrong there is to be
+said without a traceback, too.
 """
 
 import os
@@ -15,7 +16,8 @@ def main() -> int:
 
             return run()
         finally:
-            sys.stdout.flush()  # here, and not when Python ends, it is to show that nobody reads any more
+            # here, and not when Python ends, it is to show that nobody reads any more
+            sys.stdout.flush()
     except ImportError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

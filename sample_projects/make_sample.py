@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Writes the sample: five phases of a small beating ventricle, as they come from a segmentation and as they end. Run by
-scripts/make-sample."""
+"""Writes the sample: five phases of a small beating ventricle, as they come from a segmentation and
+as they end. Run by scripts/make-sample."""
 
 import dataclasses
 import shutil

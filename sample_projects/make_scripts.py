@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Writes the filter scripts for meshlabserver, main_job.mlx and the others, from what the plugins say of themselves:
+"""Writes the filter scripts for meshlabserver, main_job.mlx and the others, from what the plugins
+say of themselves:
 
     python make_scripts.py FOLDER_OF_PLUGINS [FOLDER]
 
-meshlabserver wants every parameter of a filter in a script, so these hold them all, but for what VARIANTS names with their defaults; a
-test compares them with the plugins'.
+meshlabserver wants every parameter of a filter in a script, so these hold them all, but for what
+VARIANTS names with their defaults; a test compares them with the plugins'.
 """
 
 import sys
@@ -20,7 +21,8 @@ PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 REMESH = "generate_icosphere_remeshing"
 MODEL = "compute_statistical_shape_model"
 
-# What MeshLab is told first: the layer that was loaded last is the current one, but the root is the first. (The import sees to it itself.)
+# What MeshLab is told first: the layer that was loaded last is the current one, but the root is the
+# first. (The import sees to it itself.)
 ROOT_IS_THE_FIRST_LAYER = """\
  <filter name="Change the current layer">
   <Param type="RichMesh" name="layer" value="0"/>
@@ -50,7 +52,10 @@ def write_ball(path):
         sum((x - centre) ** 2 for x in voxel) < 20
         for voxel in ((i, j, k) for k in range(size) for j in range(size) for i in range(size))
     ]
-    head = f"ObjectType = Image\nNDims = 4\nDimSize = {size} {size} {size} 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    head = (
+        f"ObjectType = Image\nNDims = 4\nDimSize = {size} {size} {size} 2\nElementType = "
+        "MET_UCHAR\nElementDataFile = LOCAL\n"
+    )
     Path(path).write_bytes(head.encode() + 2 * bytes(inside))
 
 
@@ -73,7 +78,8 @@ def defaults():
 
 
 def script(job, changed):
-    """The text of a filter script. changed: {(python name of a filter, parameter): choice or text} instead of the default."""
+    """The text of a filter script. changed: {(python name of a filter, parameter): choice or text}
+    instead of the default."""
     known = defaults()
     lines = ["<!DOCTYPE FilterScript>\n<FilterScript>\n"] + [ROOT_IS_THE_FIRST_LAYER] * (
         job[0] == ROOT

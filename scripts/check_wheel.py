@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Makes sure that a wheel holds what it must and that its plugins load on every system its tag promises: check_wheel.py WHEEL
+"""Makes sure that a wheel holds what it must and that its plugins load on every system its tag
+promises: check_wheel.py WHEEL
 
-The tag manylinux_2_35 stands for glibc 2.35, and Ubuntu 22.04 is the oldest system that is meant: its libstdc++ is that of GCC 12.
-Reads the libraries' dynamic sections with objdump (binutils, which comes with the compiler).
+The tag manylinux_2_35 stands for glibc 2.35, and Ubuntu 22.04 is the oldest system that is meant:
+its libstdc++ is that of GCC 12. Reads the libraries' dynamic sections with objdump (binutils, which
+comes with the compiler).
 """
 
 import re
@@ -16,7 +18,8 @@ from pathlib import Path
 TAG = "py3-none-manylinux_2_35_x86_64"
 PLUGIN = "sphere_propagation/libfilter_sphere_propagation.so"
 VOLUME_PLUGIN = "sphere_propagation/libfilter_label_volume.so"
-BUNDLE = "sphere_propagation/lib/"  # the libraries that VOLUME_PLUGIN needs, and what their packages say of copyright
+# The libraries that VOLUME_PLUGIN needs, and what their packages say of copyright.
+BUNDLE = "sphere_propagation/lib/"
 CONTENTS = (
     PLUGIN,
     VOLUME_PLUGIN,
@@ -62,7 +65,8 @@ def needed(path):
 
 
 def library_complaints(path, newest=None, libraries=None, rpath=None):
-    """What keeps a library from loading where the tag says it does, one line each. rpath: the one that it must have, and no other."""
+    """What keeps a library from loading where the tag says it does, one line each. rpath: the one
+    that it must have, and no other."""
     text = dynamic_section(path)
     complaints = [
         f"needs {name}, which neither PyMeshLab nor the system has"

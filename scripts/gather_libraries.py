@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
-"""Copies the shared libraries that a plugin needs and that not every machine has into a folder: gather_libraries.py PLUGIN FOLDER
+"""Copies the shared libraries that a plugin needs and that not every machine has into a folder:
+gather_libraries.py PLUGIN FOLDER
 
-Those that check_wheel.py calls PyMeshLab's or the system's stay where they are. The copies are byte for byte those of the system: the
-plugin's RPATH, $ORIGIN/lib, leads to all of them, also to those that they need. What their packages say of copyright goes beside them.
+Those that check_wheel.py calls PyMeshLab's or the system's stay where they are. The copies are byte
+for byte those of the system: the plugin's RPATH, $ORIGIN/lib, leads to all of them, also to those
+that they need. What their packages say of copyright goes beside them.
 """
 
 import gzip
@@ -16,8 +18,9 @@ from pathlib import Path
 from check_wheel import LIBRARIES, needed
 
 COMMON_LICENCES = Path("/usr/share/common-licenses")
-HEAD = """\
-The libraries in this folder are those of the Debian package {package} {version}, unchanged; its source: apt-get source {source}={version}
+HEADER = """\
+The libraries in this folder are those of the Debian package {package} {version}, unchanged;
+its source: apt-get source {source}={version}
 """
 
 
@@ -45,22 +48,26 @@ def packages_of(paths):
     found = set()
     for path in paths:
         for name in (path, Path("/usr") / path.relative_to("/")):  # /lib is /usr/lib
-            owner = subprocess.run(["dpkg-query", "-S", str(name)], capture_output=True, text=True)
+            owner = subprocess.run(
+                ["dpkg-query", "-S", str(name)], capture_output=True, text=True, check=False
+            )
             if owner.returncode == 0:
                 found.add(re.split(r"[:,]", owner.stdout)[0])
                 break
         else:
             sys.exit(
-                f"error: {path} belongs to no package, so that its licence is not known: it cannot go into a wheel."
+                f"error: {path} belongs to no package, so that its licence is not known: it "
+                "cannot go into a wheel."
             )
     return sorted(found)
 
 
 def write_licence(package, path):
-    """Who made the package, where its source is, its copyright file, and the licences that this only names."""
+    """Who made the package, where its source is, its copyright file, and the licences that this
+    only names."""
     about = said("dpkg-query", "-W", "-f", "${source:Package} ${source:Version}", package).split()
     folder = Path("/usr/share/doc") / package
-    parts = [HEAD.format(package=package, source=about[0], version=about[1])]
+    parts = [HEADER.format(package=package, source=about[0], version=about[1])]
     for name in ("copyright", "NOTICE.gz"):
         if (folder / name).is_file():
             parts.append(

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Spherical maps of closed anatomical surfaces, propagated over layers and resampled by an icosphere.
+"""Spherical maps of closed anatomical surfaces, propagated over layers and resampled by an
+icosphere.
 
-Importing this package makes PyMeshLab know the plugin's filters, and offers them as functions on arrays:
+Importing this package makes PyMeshLab know the plugin's filters, and offers them as functions on
+arrays:
 
     import sphere_propagation as sp
 
-    surfaces = sp.read_meshes("phases")                  # closed meshes in order of time, without correspondence
+    surfaces = sp.read_meshes("phases")  # closed meshes in order of time, without correspondence
     result = sp.correspond(surfaces, order="Cyclic time")
-    result.landmarks[t, j]                               # landmark j at phase t: the same place for all t
+    result.landmarks[t, j]               # landmark j at phase t: the same place for all t
     model = sp.shape_model(result.landmarks, result.landmark_faces)
 """
 

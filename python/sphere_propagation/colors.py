@@ -7,16 +7,19 @@ import numpy as np
 
 
 def landmark_colors(count: int) -> np.ndarray:
-    """The index of a landmark as its hue, from pole to pole of the map; the same landmark has the same colour on all layers."""
+    """The index of a landmark as its hue, from pole to pole of the map; the same landmark has the
+    same colour on all layers."""
     sixths = 6 * (np.arange(count)[:, None] / count - np.array([0, 1 / 3, 2 / 3]))
     return np.clip(2 - np.abs((sixths + 3) % 6 - 3), 0, 1)
 
 
 def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.ndarray:
-    """The checkerboard of vcg_ext/display/sphere_pattern.h, for pictures that show it sharp: longitude in turns, latitude in quarter
-    turns (-1 south pole, 1 north pole); `cells` fields from pole to pole, every other one darker by `shade`.
+    """The checkerboard of vcg_ext/display/sphere_pattern.h, for pictures that show it sharp:
+    longitude in turns, latitude in quarter turns (-1 south pole, 1 north pole); `cells` fields from
+    pole to pole, every other one darker by `shade`.
 
-    The hue turns once with the longitude and fades towards the poles: light in the north, dark in the south.
+    The hue turns once with the longitude and fades towards the poles: light in the north, dark in
+    the south.
     """
     longitude, latitude = np.broadcast_arrays(
         np.asarray(longitude, float), np.asarray(latitude, float)
@@ -32,6 +35,7 @@ def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.nd
 
 
 def sphere_coordinates(positions: np.ndarray):
-    """Longitude in turns and latitude in quarter turns of unit vectors (n, 3), as map_colors wants them."""
+    """Longitude in turns and latitude in quarter turns of unit vectors (n, 3), as map_colors wants
+    them."""
     x, y, z = np.asarray(positions, float).T
     return np.arctan2(y, x) / (2 * np.pi) % 1, np.arcsin(np.clip(z, -1, 1)) / (np.pi / 2)

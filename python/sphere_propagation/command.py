@@ -20,7 +20,8 @@ ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tre
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Runs the command; returns its exit code: 0 done, 1 something is wrong with the input, 2 with the arguments, 130 interrupted."""
+    """Runs the command; returns its exit code: 0 done, 1 something is wrong with the input, 2 with
+    the arguments, 130 interrupted."""
     options = parser().parse_args(_with_parents(sys.argv[1:] if arguments is None else arguments))
     shown: List[progress.Lines] = []
 
@@ -53,7 +54,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _with_parents(arguments: Sequence[str]) -> List[str]:
-    """The same, with `--parents -1,0,1` as one word: argparse would take a list that begins with -1 for an option."""
+    """The same, with `--parents -1,0,1` as one word: argparse would take a list that begins with -1
+    for an option."""
     words = list(arguments)
     for i in range(len(words) - 1, 0, -1):
         if words[i - 1] == "--parents" and re.match(r"-\d", words[i]):
@@ -101,11 +103,13 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
     print(f"\n{report.summary(runs)}\n\nIn {folder.resolve()}:")
     for data in dict.fromkeys(run.data for run in runs):
         print(
-            f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to look at"
+            f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to "
+            "look at"
         )
         if (folder / data / "model.npz").exists():
             print(
-                f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its scores, and how good it is"
+                f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its "
+                "scores, and how good it is"
             )
     print(
         "  figures.csv: one row per layer"
@@ -181,8 +185,10 @@ def parser() -> argparse.ArgumentParser:
 
     run = actions.add_parser(
         "run",
-        help="meshes or a label volume to maps, landmarks, a shape model, MeshLab projects, pictures and figures",
-        description="Takes closed meshes in order of time, or a label volume, through the whole job.",
+        help="meshes or a label volume to maps, landmarks, a shape model, MeshLab projects, "
+        "pictures and figures",
+        description="Takes closed meshes in order of time, or a label volume, through the whole "
+        "job.",
     )
     run.add_argument(
         "meshes",
@@ -200,7 +206,8 @@ def parser() -> argparse.ArgumentParser:
     )
     run.add_argument(
         "--name",
-        help="of the sequence, for its files (default: the name of the label volume, or of the meshes' folder)",
+        help="of the sequence, for its files (default: the name of the label volume, or of the "
+        "meshes' folder)",
     )
     _add_choices(run, "time", "the mesh of largest volume")
     run.add_argument(
@@ -214,7 +221,8 @@ def parser() -> argparse.ArgumentParser:
     demo = actions.add_parser(
         "demo",
         help="the same for a beating phantom whose truth is known, by both methods",
-        description="Makes a beating ventricle, cavity and wall, and takes it through the whole job by both methods.",
+        description="Makes a beating ventricle, cavity and wall, and takes it through the whole "
+        "job by both methods.",
     )
     demo.add_argument(
         "folder",
@@ -292,8 +300,8 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     add(
         "--parents",
         metavar="LIST",
-        help="instead of --order: for each mesh the number of that which hands it the map, -1 for the root, "
-        "as --parents -1,0,1",
+        help="instead of --order: for each mesh the number of that which hands it the map, -1 for "
+        "the root, as --parents -1,0,1",
     )
     add(
         "--frequency",

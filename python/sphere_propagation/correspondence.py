@@ -19,14 +19,15 @@ from .filters import (
     propagate,
     remesh,
 )
-from .progress import Silent
+from .progress import SILENT, Silent
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surfaces, largest
 
 
 @dataclass(frozen=True, eq=False)
 class Correspondence:
-    """All surfaces mapped to the sphere and resampled: landmarks[t, j] is the same place for all t."""
+    """All surfaces mapped to the sphere and resampled: landmarks[t, j] is the same place for all
+    t."""
 
     surfaces: List[Surface]
     root: int  # index of the surface whose map was handed on
@@ -53,7 +54,8 @@ def check_arguments(
     area_restoration: float,
     parents: Union[str, Sequence[int]],
 ) -> Optional[int]:
-    """What the filters would refuse of correspond()'s arguments, but late, for so many surfaces. Returns the root, where it is known.
+    """What the filters would refuse of correspond()'s arguments, but late, for so many surfaces.
+    Returns the root, where it is known.
 
     Raises InputError.
     """
@@ -72,7 +74,8 @@ def check_arguments(
     largest_frequency = int((MOST_LANDMARKS / count / 10) ** 0.5)
     if not 1 <= frequency <= largest_frequency:
         raise InputError(
-            f"frequency must lie between 1 and {largest_frequency} for {count} surfaces, not at {frequency}."
+            f"frequency must lie between 1 and {largest_frequency} for {count} surfaces, not at "
+            f"{frequency}."
         )
     if order == "Given":
         root = _root_of(parents, count, root)
@@ -98,8 +101,9 @@ def _root_of(parents: Union[str, Sequence[int]], count: int, root: Optional[int]
         or not all(-1 <= parent < count for parent in numbers)
     ):
         raise InputError(
-            f"parents must be {count} numbers, one per layer: -1 for the root, once, and for the others the layer that their map "
-            f"comes from, 0 to {count - 1}; they are {', '.join(map(str, numbers))}."
+            f"parents must be {count} numbers, one per layer: -1 for the root, once, and for the "
+            f"others the layer that their map comes from, 0 to {count - 1}; they are "
+            f"{', '.join(map(str, numbers))}."
         )
     if root is not None and root != roots[0]:
         raise InputError(f"Layer {root} cannot be the root: parents say that layer {roots[0]} is.")
@@ -109,7 +113,8 @@ def _root_of(parents: Union[str, Sequence[int]], count: int, root: Optional[int]
             at = at if at == roots[0] else numbers[at]
         if at != roots[0]:
             raise InputError(
-                f"parents lead from layer {layer} round in a circle, not to the root, layer {roots[0]}."
+                f"parents lead from layer {layer} round in a circle, not to the root, layer "
+                f"{roots[0]}."
             )
     return roots[0]
 
@@ -127,13 +132,17 @@ def correspond(
     parents="",
     root_map: Optional[MapLike] = None,
     mirror_layers: bool = False,
-    progress=Silent(),
+    progress: Silent = SILENT,
 ) -> Correspondence:
-    """Corresponding landmarks on a sequence of closed surfaces, by parameterise_root, propagate and remesh, whose parameters it has.
+    """Corresponding landmarks on a sequence of closed surfaces, by parameterise_root, propagate and
+    remesh, whose parameters it has.
 
-    surfaces: in order of time, in one coordinate frame and unit. root: index of the surface that gets the first map; default: the one
-    of largest volume, end-diastole of a heart cycle, and in the order Given the one whose parent is -1. root_map: a map of it that
-    exists already. mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps. progress: is told what is being done and what was found, as a progress.Lines prints it.
+    surfaces: in order of time, in one coordinate frame and unit. root: index of the surface that
+    gets the first map; default: the one of largest volume, end-diastole of a heart cycle, and in
+    the order Given the one whose parent is -1. root_map: a map of it that
+    exists already. mirror_layers: as of propagate; `surfaces` of the result are then those that
+    have the maps. progress: is told what is being done and what was found, as a progress.Lines
+    prints it.
 
     Raises InputError for arguments out of range, before any work.
     """
@@ -157,8 +166,8 @@ def correspond(
             surfaces[root], initial_map=initial_map, area_weight=area_weight
         )
         progress.done(
-            f"root map of {surfaces[root].name}: {root_map.figures['flipped_faces']} flipped faces, "
-            f"area ratio sd {root_map.figures['area_ratio_sd']:.4f}"
+            f"root map of {surfaces[root].name}: {root_map.figures['flipped_faces']} flipped "
+            f"faces, area ratio sd {root_map.figures['area_ratio_sd']:.4f}"
         )
     root_map = as_map(root_map)
     name = method.lower()
@@ -181,8 +190,8 @@ def correspond(
     figures["seconds"] = figures["seconds"].copy()
     figures["seconds"][root] = root_map.figures.get("seconds", 0.0)
     progress.done(
-        f"{name}: maps of {len(surfaces)} layers, {int(figures['flipped_faces'].sum())} flipped faces, "
-        f"{int(figures['repaired_faces'].sum())} repaired on the way"
+        f"{name}: maps of {len(surfaces)} layers, {int(figures['flipped_faces'].sum())} flipped "
+        f"faces, {int(figures['repaired_faces'].sum())} repaired on the way"
     )
     progress.begin(f"{name}: landmarks")
     landmarks = remesh(surfaces, propagation.maps, frequency=frequency)

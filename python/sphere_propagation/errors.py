@@ -3,7 +3,8 @@
 
 SpherePropagationError          catch this one to catch them all
   PluginError (ImportError)     PyMeshLab or the plugin is missing, or they do not fit together
-  InputError (ValueError)       an argument that no filter needs to see: an array of the wrong shape, a root that is not there
+  InputError (ValueError)       an argument that no filter needs to see: an array of the wrong
+                                shape, a root that is not there
   FileError (OSError)           a file that cannot be read as a mesh or a map
   FilterError (RuntimeError)    a filter refused; the message is the filter's own
 
@@ -26,7 +27,7 @@ class PluginError(SpherePropagationError, ImportError):
 
 
 class InputError(SpherePropagationError, ValueError):
-    """An argument cannot be what is meant: an array of the wrong shape, a root that is not there."""
+    """An argument cannot be what is meant: an array of the wrong shape, a root that is missing."""
 
 
 class FileError(SpherePropagationError, OSError):
@@ -34,7 +35,8 @@ class FileError(SpherePropagationError, OSError):
 
 
 class FilterError(SpherePropagationError, RuntimeError):
-    """A filter refused its input or its parameters, in its own words; `filter` is its name in PyMeshLab."""
+    """A filter refused its input or its parameters, in its own words; `filter` is its name in
+    PyMeshLab."""
 
     def __init__(self, filter: str, message: str):
         super().__init__(message)

@@ -22,8 +22,9 @@ VOLUME_SUFFIXES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
 def mesh_files(*paths) -> List[Path]:
     """The mesh files that files and folders stand for, in order of time.
 
-    A folder stands for its meshes in natural order: phase_2 before phase_10. Files whose names differ in their numbers alone come in
-    the order of these numbers, whatever a shell's * makes of them; otherwise the order is kept.
+    A folder stands for its meshes in natural order: phase_2 before phase_10. Files whose names
+    differ in their numbers alone come in the order of these numbers, whatever a shell's * makes of
+    them; otherwise the order is kept.
     """
     return _in_order(paths, SUFFIXES)
 
@@ -73,7 +74,8 @@ def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     for path in found:
         if stem_of(path) in stems:
             raise FileError(
-                f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told apart."
+                f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told "
+                "apart."
             )
         stems[stem_of(path)] = path
     return found
@@ -87,7 +89,8 @@ def _natural(name: str):
 
 
 def read_mesh(path) -> Surface:
-    """A mesh from a file (PLY, STL, OBJ, OFF and whatever else PyMeshLab reads; duplicated vertices of STL files are merged)."""
+    """A mesh from a file (PLY, STL, OBJ, OFF and whatever else PyMeshLab reads; duplicated vertices
+    of STL files are merged)."""
     meshes, path = _load(path)
     return layers.surface_of(meshes.current_mesh(), path.stem)
 
@@ -98,7 +101,8 @@ def read_meshes(*paths) -> List[Surface]:
 
 
 def read_map(path) -> SphereMap:
-    """The map to the sphere that a file carries as texture coordinates, certified; a FileError when it carries none."""
+    """The map to the sphere that a file carries as texture coordinates, certified; a FileError when
+    it carries none."""
     meshes, path = _load(path)
     mesh = meshes.current_mesh()
     if not mesh.has_vertex_tex_coord():
@@ -153,7 +157,8 @@ def _has_ply_header(path: Path) -> bool:
 def write_ply(
     path, vertices, faces, colors: Optional[np.ndarray] = None, texture: Optional[np.ndarray] = None
 ) -> None:
-    """A binary PLY file of floats. colors: (n, 3) in [0, 1]; texture: the map as (n, 2) texture coordinates."""
+    """A binary PLY file of floats. colors: (n, 3) in [0, 1]; texture: the map as (n, 2) texture
+    coordinates."""
     columns = [(name, "<f4", vertices[:, k]) for k, name in enumerate("xyz")]
     if colors is not None:
         opaque = np.c_[np.round(255 * np.clip(colors, 0, 1)), np.full(len(colors), 255)]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The plugin's filters as functions on arrays. Each works in a project of its own, so nothing is shared between calls.
+"""The plugin's filters as functions on arrays. Each works in a project of its own, so nothing is
+shared between calls.
 
-Keyword parameters have the names and defaults of the filters' own parameters; what they mean in depth is in the filters' help and in
-docs/. Every map that comes back is certified valid.
+Keyword parameters have the names and defaults of the filters' own parameters; what they mean in
+depth is in the filters' help and in docs/. Every map that comes back is certified valid.
 """
 
 from __future__ import annotations
@@ -54,10 +55,12 @@ MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_m
 
 @dataclass(frozen=True, eq=False)
 class LabelSurfaces:
-    """The surfaces of a label volume, one per phase, in order of time, and the figures of the filter.
+    """The surfaces of a label volume, one per phase, in order of time, and the figures of the
+    filter.
 
-    figures: phase (its number), label_volume (of the voxels, mm^3), volume (of the surface, mm^3), vertices, interpolated_slices,
-    dropped_share (of the voxels, in smaller parts), filled_voxels, handles (that the label had), changed_voxels (to remove them), seconds.
+    figures: phase (its number), label_volume (of the voxels, mm^3), volume (of the surface, mm^3),
+    vertices, interpolated_slices, dropped_share (of the voxels, in smaller parts), filled_voxels,
+    handles (that the label had), changed_voxels (to remove them), seconds.
     """
 
     surfaces: List[Surface]
@@ -68,13 +71,15 @@ class LabelSurfaces:
 class Propagation:
     """Maps of all surfaces, in their order, and the figures of the filter.
 
-    figures: parent (the surface that the map came from, -1 for the root), residual_mean and residual_p95 (distance of the surface's
-    vertices from what was brought onto it, in their unit), repaired_faces, route (0 by the method asked for; where Robust lost a
-    surface 1 by alignment with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees),
-    seconds, mirrored (1 for a surface that was reflected, with mirror_layers).
-    residuals: where asked for, of each surface the distance of every vertex from what was brought onto it.
-    branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the maps of the two branches are apart
-    where they meet.
+    figures: parent (the surface that the map came from, -1 for the root), residual_mean and
+    residual_p95 (distance of the surface's vertices from what was brought onto it, in their unit),
+    repaired_faces, route (0 by the method asked for; where Robust lost a surface 1 by alignment
+    with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean
+    (degrees), seconds, mirrored (1 for a surface that was reflected, with mirror_layers).
+    residuals: where asked for, of each surface the distance of every vertex from what was brought
+    onto it.
+    branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the
+    maps of the two branches are apart where they meet.
     surfaces: what the maps are of: those given, but for the ones that were reflected.
     """
 
@@ -88,10 +93,12 @@ class Propagation:
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
-    """The same points on every surface: points[t, j] is landmark j on surface t, the same place for all t.
+    """The same points on every surface: points[t, j] is landmark j on surface t, the same place for
+    all t.
 
-    points: (surfaces, 10 f^2 + 2, 3); faces: (20 f^2, 3), shared by all; figures: surface_distance_mean and surface_distance_max
-    (between landmark mesh and surface, both ways, in their unit), seconds.
+    points: (surfaces, 10 f^2 + 2, 3); faces: (20 f^2, 3), shared by all; figures:
+    surface_distance_mean and surface_distance_max (between landmark mesh and surface, both ways, in
+    their unit), seconds.
     """
 
     points: np.ndarray
@@ -113,17 +120,21 @@ def read_label_volume(
     skip_incomplete_phases: bool = False,
     longest_gap: int = 10,
 ) -> LabelSurfaces:
-    """A segmentation (NIfTI, NRRD, MetaImage; 3D, or 4D with time) as one closed surface of genus 0 per phase, in millimetres.
+    """A segmentation (NIfTI, NRRD, MetaImage; 3D, or 4D with time) as one closed surface of genus 0
+    per phase, in millimetres.
 
-    labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have each of them, or
-    skip_incomplete_phases leaves it out.
-    voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the file's smallest spacing.
+    labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have
+    each of them, or skip_incomplete_phases leaves it out.
+    voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the
+    file's smallest spacing.
     smoothing: standard deviation in these cubes, 0 to 5. coordinates: one of COORDINATES.
-    fill_holes, keep_largest_component, cut_handles: cavities are filled, smaller parts dropped, handles removed. longest_gap: how many
-    empty slices in a row are interpolated.
-    file_series: also read the files beside this one whose names differ from it in one number only, one phase each.
+    fill_holes, keep_largest_component, cut_handles: cavities are filled, smaller parts dropped,
+    handles removed. longest_gap: how many empty slices in a row are interpolated.
+    file_series: also read the files beside this one whose names differ from it in one number only,
+    one phase each.
 
-    Warns (SpherePropagationWarning) where the surfaces differ much from the labels. Raises PluginError where ITK is missing.
+    Warns (SpherePropagationWarning) where the surfaces differ much from the labels. Raises
+    PluginError where ITK is missing.
     """
     plugin.require_volumes()
     meshes = layers.mesh_set()
@@ -167,7 +178,8 @@ def _whole_numbers(name: str, values) -> List[int]:
 
 
 def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
-    """What the filter says of every phase in its log, which Python does not get: how many phases deserve a look, and which most."""
+    """What the filter says of every phase in its log, which Python does not get: how many phases
+    deserve a look, and which most."""
 
     def warn(amounts: np.ndarray, limit: float, words: str) -> None:
         count, worst = int((amounts > limit).sum()), int(np.argmax(amounts))
@@ -184,7 +196,8 @@ def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> No
     warn(
         100 * loss,
         100 * MOST_LOSS,
-        "% of the label's volume are missing in the surface: choose a smaller smoothing, or a smaller voxel_size",
+        "% of the label's volume are missing in the surface: choose a smaller smoothing, or a "
+        "smaller voxel_size",
     )
     warn(
         100 * np.where((figures["interpolated_slices"] > 0) | (loss > MOST_LOSS), 0, np.abs(loss)),
@@ -208,9 +221,10 @@ def parameterise_root(
 ) -> SphereMap:
     """An area-preserving map of one surface to the unit sphere.
 
-    initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for equal areas alone, as far as
-    validity allows, 0 for angles alone; the default all but preserves areas. threads: how many work on large surfaces, 0 for as many as
-    the machine runs at once; the map is the same with any number.
+    initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for
+    equal areas alone, as far as validity allows, 0 for angles alone; the default all but preserves
+    areas. threads: how many work on large surfaces, 0 for as many as the machine runs at once; the
+    map is the same with any number.
 
     Raises FilterError when the surface is not closed, has handles or several parts.
     """
@@ -237,18 +251,22 @@ def propagate(
     smoothing_sweeps: int = 50,
     threads: int = 0,
 ) -> Propagation:
-    """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere means one place on all of them.
+    """The root's map handed on to all other surfaces, along a tree, so that a point of the sphere
+    means one place on all of them.
 
     surfaces: in order of time, in one unit. root_map: the map of surfaces[root_layer].
-    method: Robust (a motion model moves the root onto each surface) or As published (the paper's steps).
-    order: who hands the map to whom, one of ORDERS; Cyclic time for a whole heart cycle, Similarity tree where there is no order.
+    method: Robust (a motion model moves the root onto each surface) or As published (the paper's
+    steps).
+    order: who hands the map to whom, one of ORDERS; Cyclic time for a whole heart cycle, Similarity
+    tree where there is no order.
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
     residual_quality: whether `residuals` is returned.
-    mirror_layers: reflect a surface that is a mirror image of the others, a left bone among right ones, before its map is made: the maps
-    are then those of `surfaces` in what is returned.
+    mirror_layers: reflect a surface that is a mirror image of the others, a left bone among right
+    ones, before its map is made: the maps are then those of `surfaces` in what is returned.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
-    threads: how many work, 0 for as many as the machine runs at once; the result is the same with any number.
+    threads: how many work, 0 for as many as the machine runs at once; the result is the same with
+    any number.
 
     Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it.
     """
@@ -256,7 +274,8 @@ def propagate(
     root_map = as_map(root_map)
     if not 0 <= root_layer < len(surfaces):
         raise InputError(
-            f"Layer {root_layer} cannot be the root: layers are numbered from 0 to {len(surfaces) - 1}."
+            f"Layer {root_layer} cannot be the root: layers are numbered from 0 to "
+            f"{len(surfaces) - 1}."
         )
     if not isinstance(parents, str):
         parents = ", ".join(map(str, _whole_numbers("parents", parents)))
@@ -279,8 +298,8 @@ def propagate(
     if len(figures["parent"]) != len(surfaces):
         raise FilterError(
             PROPAGATE,
-            "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, lies on "
-            "the unit sphere, or is called like a layer of a shape model.",
+            "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, "
+            "lies on the unit sphere, or is called like a layer of a shape model.",
         )
     _warn_of_distant_layers(surfaces, figures["residual_mean"])
     maps = [
@@ -302,8 +321,8 @@ def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) 
         edges = residual / surface.mean_edge_length
         if edges > MOST_RESIDUAL_IN_EDGES:
             warnings.warn(
-                f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on average: it may be another "
-                "shape or in another unit.",
+                f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on "
+                "average: it may be another shape or in another unit.",
                 SpherePropagationWarning,
                 stacklevel=3,
             )
@@ -316,10 +335,12 @@ def remesh(
     frequency: int = 10,
     threads: int = 0,
 ) -> Landmarks:
-    """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as propagate gives them.
+    """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as
+    propagate gives them.
 
-    frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks. threads: how many work, 0 for as many
-    as the machine runs at once; the landmarks are the same with any number.
+    frequency: parts into which each edge of the icosahedron is split; 10 gives 1002 landmarks.
+    threads: how many work, 0 for as many as the machine runs at once; the landmarks are the same
+    with any number.
     """
     surfaces = as_surfaces(surfaces)
     meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
@@ -330,7 +351,8 @@ def remesh(
     if len(made) != len(surfaces):
         raise FilterError(
             REMESH,
-            f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken for a surface.",
+            f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken "
+            "for a surface.",
         )
     return Landmarks(
         np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures
@@ -349,13 +371,16 @@ def shape_model(
     specificity_samples: int = 1000,
     seed: int = 0,
 ) -> ShapeModel:
-    """Mean, modes and scores of landmarks that correspond, and how good a model they make: `shape_model(*remesh(...)[:2])`.
+    """Mean, modes and scores of landmarks that correspond, and how good a model they make:
+    `shape_model(*remesh(...)[:2])`.
 
-    points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence, shared by all; names: what errors
-    and files call the shapes.
-    alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose, nothing. modes: how many are kept, 0 for all.
-    export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy), .h5 and .json (statismo,
-    scalismo), .particles (ShapeWorks), .ply, .csv (the scores). area_weights: whether landmarks weigh in the alignment as the area around them.
+    points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence,
+    shared by all; names: what errors and files call the shapes.
+    alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose,
+    nothing. modes: how many are kept, 0 for all.
+    export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy),
+    .h5 and .json (statismo, scalismo), .particles (ShapeWorks), .ply, .csv (the scores).
+    area_weights: whether landmarks weigh in the alignment as the area around them.
     specificity_samples, seed: of the random shapes that the specificity is measured with.
 
     Identical shapes make a model without modes.
@@ -376,8 +401,8 @@ def shape_model(
     if returned["shapes"] != len(surfaces):
         raise FilterError(
             MODEL,
-            f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the others lie on the unit "
-            "sphere, or are called like a layer of a shape model.",
+            f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the "
+            "others lie on the unit sphere, or are called like a layer of a shape model.",
         )
     kept, count = returned["modes"], returned["landmarks"]
     return ShapeModel(
@@ -408,7 +433,8 @@ def _landmark_meshes(
     points = np.asarray(points)
     if points.ndim != 3 or points.shape[2] != 3 or points.dtype.kind not in "fiu":
         raise InputError(
-            f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of shape {points.shape}."
+            f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of "
+            f"shape {points.shape}."
         )
     frequency = max(1, round(max(0, points.shape[1] - 2) / 10) ** 0.5)
     if points.shape[1] != 10 * round(frequency) ** 2 + 2 or np.shape(faces) != (
@@ -416,8 +442,8 @@ def _landmark_meshes(
         3,
     ):
         raise InputError(
-            f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those that remesh gives: 10 f^2 + 2 "
-            "landmarks and (20 f^2, 3) faces."
+            f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those "
+            "that remesh gives: 10 f^2 + 2 landmarks and (20 f^2, 3) faces."
         )
     names = [f"shape {k}" for k in range(len(points))] if names is None else list(names)
     if len(names) != len(points):
@@ -426,10 +452,11 @@ def _landmark_meshes(
 
 
 def evaluate(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike]) -> Figures:
-    """Certifies and measures maps, one per surface. A map that is not valid is reported, not refused.
+    """Certifies and measures maps, one per surface. A map that is not valid is reported, not
+    refused.
 
-    Returned: valid (1 or 0), degree (how often the sphere is covered; 1 in a valid map), flipped_faces, area_ratio_sd,
-    area_log_mean, angle_error_mean (degrees), seconds.
+    Returned: valid (1 or 0), degree (how often the sphere is covered; 1 in a valid map),
+    flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds.
     """
     surfaces = as_surfaces(surfaces)
     figures = layers.apply(layers.mesh_set(surfaces, _maps_of(surfaces, maps)), EVALUATE)
@@ -449,10 +476,12 @@ def map_colors(
     cells: int = 8,
     area_ratio_limit: float = 2.0,
 ) -> List[np.ndarray]:
-    """A pattern of the sphere on the vertices of each surface, (n, 3) in [0, 1]: the same place has the same colour on all of them.
+    """A pattern of the sphere on the vertices of each surface, (n, 3) in [0, 1]: the same place has
+    the same colour on all of them.
 
-    pattern: one of PATTERNS. cells: fields from pole to pole, 2 or more. area_ratio_limit: above 1, where the colours of the pattern
-    Area ratio end: with 2 at twice (red) and half (blue) of the area's due share.
+    pattern: one of PATTERNS. cells: fields from pole to pole, 2 or more. area_ratio_limit: above 1,
+    where the colours of the pattern Area ratio end: with 2 at twice (red) and half (blue) of the
+    area's due share.
     """
     surfaces = as_surfaces(surfaces)
     meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
@@ -468,10 +497,13 @@ def make_phantom(
     twist: float = 0.0,
     seed: int = 0,
 ) -> List[Surface]:
-    """A beating left ventricle, one surface per phase of one heart cycle, without correspondence; phase 0 is end-diastole.
+    """A beating left ventricle, one surface per phase of one heart cycle, without correspondence;
+    phase 0 is end-diastole.
 
-    part: Cavity or Wall. voxel_size: mm, 0.25 to 4; 2 gives about 4000 vertices. twist: degrees, of the apex at end-systole.
-    seed: each number makes another ventricle. `Ventricle` with the same part, phases, seed and twist knows the truth.
+    part: Cavity or Wall. voxel_size: mm, 0.25 to 4; 2 gives about 4000 vertices. twist: degrees, of
+    the apex at end-systole.
+    seed: each number makes another ventricle. `Ventricle` with the same part, phases, seed and
+    twist knows the truth.
     """
     meshes = layers.mesh_set()
     layers.apply(

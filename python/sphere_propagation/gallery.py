@@ -17,7 +17,8 @@ PAGE = "report.html"
 
 
 class Section(NamedTuple):
-    """What belongs together on the page: one sequence with its shape model, or several beside their truth."""
+    """What belongs together on the page: one sequence with its shape model, or several beside their
+    truth."""
 
     rows: Sequence[Row]
     runs: Sequence[report.Run]
@@ -79,20 +80,22 @@ def _drawings(section: Section) -> List[Drawing]:
             f"{prefix}landmarks.png",
             "landmarks over the cycle",
             lambda path: pictures.landmarks_over_cycle(rows, path),
-            f"{count} landmarks on some phases. Landmark j has one colour on all of them: it is the same place.",
+            f"{count} landmarks on some phases. Landmark j has one colour on all of them: it is "
+            "the same place.",
         ),
         Drawing(
             f"{prefix}checkerboard.png",
             "the maps over the cycle",
             lambda path: pictures.maps_over_cycle(rows, path),
-            "One checkerboard of the sphere, drawn on the surfaces through their maps. A field that keeps its place on the organ "
-            "shows that the maps correspond.",
+            "One checkerboard of the sphere, drawn on the surfaces through their maps. A field "
+            "that keeps its place on the organ shows that the maps correspond.",
         ),
         Drawing(
             f"{prefix}map.png",
             "the root and its sphere",
             lambda path: pictures.root_and_sphere(rows, path),
-            "The surface that got the first map, beside the sphere: every field takes the same share of both.",
+            "The surface that got the first map, beside the sphere: every field takes the same "
+            "share of both.",
             len(rows) == 1,
         ),
     ]
@@ -102,7 +105,8 @@ def _drawings(section: Section) -> List[Drawing]:
                 "error.png",
                 "error over the cycle",
                 lambda path: pictures.errors_over_phase(rows, section.errors, path),
-                "How far the landmarks lie from the material points that they began on, phase by phase: both methods.",
+                "How far the landmarks lie from the material points that they began on, phase by "
+                "phase: both methods.",
             )
         )
     if model is not None and len(model.modes):
@@ -113,16 +117,18 @@ def _drawings(section: Section) -> List[Drawing]:
                 f"{prefix}modes.png",
                 "mean shape and modes",
                 lambda path: model_pictures.modes(model, path, unit=unit, up=rows[0].up),
-                "The shape model: its mean, and three standard deviations along the first modes; red lies outside of the mean, blue "
-                f"inside. Along the first mode these shapes themselves reach {reach:.1f} standard deviations: what lies beyond is "
-                "the model's guess.",
+                "The shape model: its mean, and three standard deviations along the first modes; "
+                "red lies outside of the mean, blue inside. Along the first mode these shapes "
+                f"themselves reach {reach:.1f} standard deviations: what lies beyond is the "
+                "model's guess.",
             ),
             Drawing(
                 f"{prefix}model.png",
                 "how good the model is",
                 lambda path: model_pictures.measures(model, path, unit=unit),
-                "By number of modes: the share of the variance that they hold; how far a shape that the model has not seen lies from its "
-                "best approximation; how far random shapes of the model lie from the nearest real one. Bands are standard errors.",
+                "By number of modes: the share of the variance that they hold; how far a shape "
+                "that the model has not seen lies from its best approximation; how far random "
+                "shapes of the model lie from the nearest real one. Bands are standard errors.",
             ),
             Drawing(
                 f"{prefix}scores.png",
@@ -138,7 +144,8 @@ def _drawings(section: Section) -> List[Drawing]:
                 lambda path: model_pictures.volumes(rows[0], path, section.true_volumes),
                 "What the surfaces enclose."
                 + (
-                    " The dashed line is what is known of the phantom: the difference comes from the slices."
+                    " The dashed line is what is known of the phantom: the difference comes from "
+                    "the slices."
                     if section.true_volumes is not None
                     else ""
                 ),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""What the command line does: meshes, or the phantom, through the whole job, and everything worth looking at into a folder."""
+"""What the command line does: meshes, or the phantom, through the whole job, and everything worth
+looking at into a folder."""
 
 from __future__ import annotations
 
@@ -57,15 +58,18 @@ def run_meshes(
     choices: Choices,
     progress: Callable[[int], Lines],
 ) -> List[report.Run]:
-    """Files and folders of meshes or label volumes; `name` calls the sequence. progress: makes the Lines for a number of steps."""
+    """Files and folders of meshes or label volumes; `name` calls the sequence. progress: makes the
+    Lines for a number of steps."""
     if name is not None and (name in ("", ".", "..") or Path(name).name != name):
         raise InputError(
-            f"The name of the sequence becomes a folder of results: it must be a plain name, not {name!r}."
+            "The name of the sequence becomes a folder of results: it must be a plain name, not "
+            f"{name!r}."
         )
     paths = files.input_files(*meshes)
     if choices.volume and not any(map(files.is_label_volume, paths)):
         raise InputError(
-            f"There is no label volume among the files, to which {', '.join(choices.volume)} could apply."
+            f"There is no label volume among the files, to which {', '.join(choices.volume)} "
+            "could apply."
         )
     home = Path(folder).resolve()
     for path in paths:
@@ -96,13 +100,13 @@ def run_meshes(
             surfaces.append(files.read_mesh(path))
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
         raise InputError(
-            f"{paths[0]} gives one surface: landmarks that correspond take two or more. One volume has no phases; give a volume "
-            "of several (4D), or the files of all of them."
+            f"{paths[0]} gives one surface: landmarks that correspond take two or more. One "
+            "volume has no phases; give a volume of several (4D), or the files of all of them."
         )
     if len(surfaces) == 1:
         raise InputError(
-            f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all meshes of the sequence, or "
-            "their folder."
+            f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all "
+            "meshes of the sequence, or their folder."
         )
     where = paths[0].name + (f" to {paths[-1].name}" if len(paths) > 1 else "")
     steps.done(
@@ -126,8 +130,8 @@ def run_meshes(
     model = _build_model(results, name, result, steps)
     runs = [report.Run(name, result)]
     text = (
-        f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of them. Method {result.method}, order "
-        f"{result.order}, root {surfaces[result.root].name}."
+        f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of "
+        f"them. Method {result.method}, order {result.order}, root {surfaces[result.root].name}."
     )
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
     return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps)
@@ -141,7 +145,8 @@ def run_phantom(
     seed: int,
     progress: Callable[[int], Lines],
 ) -> List[report.Run]:
-    """The phantom from a scan of it to a shape model; and both its parts, by both methods, against the truth."""
+    """The phantom from a scan of it to a shape model; and both its parts, by both methods, against
+    the truth."""
     if not 0.25 <= voxel_size <= 4:
         raise InputError(f"The voxels of the phantom must measure 0.25 to 4 mm, not {voxel_size}.")
     check_arguments(
@@ -212,9 +217,10 @@ def run_phantom(
             rows,
             runs,
             "How right is it? Fine surfaces whose truth is known",
-            "Labels say nothing of the tissue between the slices, so a scan cannot tell how far landmarks follow it. The "
-            f"same ventricle without a scanner can: its surfaces in voxels of {voxel_size:g} mm, cavity and wall, and of "
-            "every point where the tissue there goes. Both methods are measured against that.",
+            "Labels say nothing of the tissue between the slices, so a scan cannot tell how far "
+            "landmarks follow it. The same ventricle without a scanner can: its surfaces in "
+            f"voxels of {voxel_size:g} mm, cavity and wall, and of every point where the tissue "
+            "there goes. Both methods are measured against that.",
             "truth_",
             errors=errors,
         )
@@ -255,7 +261,8 @@ def _scan_section(
         path, **{key: value for key, value in choices.volume.items() if key != "voxel_size"}
     ).surfaces
     steps.done(
-        f"{name}: {len(surfaces)} surfaces, {np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
+        f"{name}: {len(surfaces)} surfaces, "
+        f"{np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
     )
     result = correspond(
         surfaces,
@@ -272,8 +279,9 @@ def _scan_section(
         [row],
         [report.Run(name, result)],
         "From a label volume to a shape model",
-        f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. What comes out: a closed surface per "
-        "phase, landmarks that correspond, and the statistical shape model of the cycle.",
+        f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. "
+        "What comes out: a closed surface per phase, landmarks that correspond, and the "
+        "statistical shape model of the cycle.",
         model=model,
         true_volumes=np.array([surface.volume for surface in fine]) if whole else None,
     )
@@ -334,7 +342,8 @@ def _finish(
     choices: Choices,
     steps: Lines,
 ) -> List[report.Run]:
-    """The table of figures, then the page and its pictures, which can fail for reasons of their own."""
+    """The table of figures, then the page and its pictures, which can fail for reasons of their
+    own."""
     runs = [run for section in sections for run in section.runs]
     results.write("figures.csv", lambda path: report.write_csv(path, runs))
     missing = pictures.what_is_missing() if choices.pictures else ""

@@ -18,7 +18,8 @@ _kept = []
 
 
 def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, SphereMap]] = None):
-    """One layer per surface, numbered as in the list, with the maps that are given; the first is the current one."""
+    """One layer per surface, numbered as in the list, with the maps that are given; the first is
+    the current one."""
     pymeshlab = plugin.register()
     meshes = pymeshlab.MeshSet()
     for i, (surface, name) in enumerate(zip(surfaces, distinct_names(surfaces))):
@@ -32,7 +33,8 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
         if sphere is not None:
             if len(sphere.positions) != len(surface.vertices):
                 raise InputError(
-                    f"{surface.name} has {len(surface.vertices)} vertices, its map {len(sphere.positions)} positions."
+                    f"{surface.name} has {len(surface.vertices)} vertices, its map "
+                    f"{len(sphere.positions)} positions."
                 )
             mesh.add_vertex_custom_point_attribute(sphere.positions, ATTRIBUTE)
         meshes.add_mesh(mesh, name)
@@ -51,7 +53,8 @@ def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:
 
 
 def keep(meshes) -> None:
-    """PyMeshLab goes on writing into the log of a MeshSet in which something failed, also when it is gone: keep the last one."""
+    """PyMeshLab goes on writing into the log of a MeshSet in which something failed, also when it
+    is gone: keep the last one."""
     _kept[:] = [meshes]
 
 

@@ -13,12 +13,16 @@ from .errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class ShapeModel:
-    """A mean shape and the modes in which its training shapes vary; docs/shape_model.md has the formulas.
+    """A mean shape and the modes in which its training shapes vary; docs/shape_model.md has the
+    formulas.
 
-    mean: (landmarks, 3); modes: (M, landmarks, 3), orthonormal; eigenvalues: (M,), variance along each mode, divisor shapes - 1;
-    scores: (shapes, M), so that mean + tensordot(scores, modes, 1) are the aligned shapes; faces: (k, 3); names: of the shapes;
+    mean: (landmarks, 3); modes: (M, landmarks, 3), orthonormal; eigenvalues: (M,), variance along
+    each mode, divisor shapes - 1;
+    scores: (shapes, M), so that mean + tensordot(scores, modes, 1) are the aligned shapes; faces:
+    (k, 3); names: of the shapes;
     total_variance: that of all modes, kept or not.
-    figures: by number of modes, (M,): compactness, variance_share, generalisation, generalisation_error, specificity, specificity_error.
+    figures: by number of modes, (M,): compactness, variance_share, generalisation,
+    generalisation_error, specificity, specificity_error.
     """
 
     mean: np.ndarray
@@ -37,12 +41,14 @@ class ShapeModel:
 
     @property
     def generalisation(self) -> np.ndarray:
-        """Mean distance of a shape from its best approximation by the model of all others, by number of modes."""
+        """Mean distance of a shape from its best approximation by the model of all others, by
+        number of modes."""
         return self.figures["generalisation"]
 
     @property
     def specificity(self) -> np.ndarray:
-        """Mean distance of random shapes of the model from the nearest training shape, by number of modes."""
+        """Mean distance of random shapes of the model from the nearest training shape, by number of
+        modes."""
         return self.figures["specificity"]
 
     def shape(self, scores) -> np.ndarray:
@@ -50,14 +56,17 @@ class ShapeModel:
         scores = np.atleast_1d(np.asarray(scores, float))
         if scores.ndim != 1 or len(scores) > len(self.modes):
             raise InputError(
-                f"The model has {len(self.modes)} modes: scores must be at most so many numbers, not of shape {scores.shape}."
+                f"The model has {len(self.modes)} modes: scores must be at most so many numbers, "
+                f"not of shape {scores.shape}."
             )
         return self.mean + np.tensordot(scores, self.modes[: len(scores)], 1)
 
     def along(self, mode: int, deviations: float) -> np.ndarray:
-        """The shape, (landmarks, 3), that lies so many standard deviations from the mean along one mode; the first mode is 0."""
+        """The shape, (landmarks, 3), that lies so many standard deviations from the mean along one
+        mode; the first mode is 0."""
         if not 0 <= mode < len(self.modes):
             raise InputError(
-                f"There is no mode {mode}: the model's modes are numbered from 0 to {len(self.modes) - 1}."
+                f"There is no mode {mode}: the model's modes are numbered from 0 to "
+                f"{len(self.modes) - 1}."
             )
         return self.mean + deviations * np.sqrt(self.eigenvalues[mode]) * self.modes[mode]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Pictures of shape models as PNG files: modes (figure 3 of the paper), how good the model is, scores and volumes over the phases."""
+"""Pictures of shape models as PNG files: modes (figure 3 of the paper), how good the model is,
+scores and volumes over the phases."""
 
 from __future__ import annotations
 
@@ -64,7 +65,8 @@ def modes(
     shown: int = 3,
     deviations: float = 3.0,
 ) -> None:
-    """Mean and both ends of the first modes, coloured by displacement from the mean (figure 3 of the paper)."""
+    """Mean and both ends of the first modes, coloured by displacement from the mean (figure 3 of
+    the paper)."""
     shown = min(shown, len(model.modes))
     shapes = {
         (m, sign): model.along(m, sign * deviations) if m >= 0 else model.mean
@@ -155,7 +157,8 @@ def modes(
 
 
 def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
-    """Compactness, generalisation and specificity by number of modes, with their standard errors."""
+    """Compactness, generalisation and specificity by number of modes, with their standard
+    errors."""
     plt = matplotlib_pyplot()
     figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=170)
     count = np.arange(1, len(model.modes) + 1)
@@ -206,7 +209,8 @@ def scores(
     shown: int = 3,
     phases: Optional[Sequence[int]] = None,
 ) -> None:
-    """Scores of the first modes over the phases, in standard deviations; and the way through the plane of the first two.
+    """Scores of the first modes over the phases, in standard deviations; and the way through the
+    plane of the first two.
 
     closed: the last phase is followed by the first. phases: their numbers; default: from 0.
     """
@@ -277,7 +281,8 @@ def scores(
 
 
 def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
-    """What the surfaces enclose, phase by phase. truth: the same of the thing itself, where it is known."""
+    """What the surfaces enclose, phase by phase. truth: the same of the thing itself, where it is
+    known."""
     plt = matplotlib_pyplot()
     per_unit, unit = (1000, "ml") if row.unit == "mm" else (1, "unit³")
     values = np.abs([surface.volume for surface in row.result.surfaces]) / per_unit

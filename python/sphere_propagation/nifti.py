@@ -11,7 +11,8 @@ import numpy as np
 
 
 def write_nifti(path, labels: np.ndarray, affine: np.ndarray, seconds: float = 0.0) -> None:
-    """NIfTI-1 (.nii or .nii.gz): labels (x, y, z) or (x, y, z, time) of bytes; affine (4, 4): indices to RAS in mm; seconds per phase."""
+    """NIfTI-1 (.nii or .nii.gz): labels (x, y, z) or (x, y, z, time) of bytes; affine (4, 4):
+    indices to RAS in mm; seconds per phase."""
     labels = np.asarray(labels, np.uint8)
     shape = (labels.shape + (1,))[:4]
     spacing = np.linalg.norm(affine[:3, :3], axis=0)

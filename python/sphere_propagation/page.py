@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""One HTML page with everything that a run has to show: pictures and tables inside, nothing from the network."""
+"""One HTML page with everything that a run has to show: pictures and tables inside, nothing from
+the network."""
 
 from __future__ import annotations
 
@@ -14,7 +15,10 @@ from .version import version
 
 STYLE = """
 :root { color-scheme: light; }
-body { margin: 0; background: #f5f6f8; color: #1c2530; font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+body {
+  margin: 0; background: #f5f6f8; color: #1c2530;
+  font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif;
+}
 main { max-width: 1180px; margin: 0 auto; padding: 40px 28px 64px; }
 h1 { font-size: 30px; line-height: 1.2; margin: 0 0 8px; }
 h2 { font-size: 23px; margin: 52px 0 6px; padding-top: 22px; border-top: 2px solid #d8dce2; }
@@ -22,12 +26,22 @@ h3 { font-size: 17px; margin: 30px 0 8px; }
 p { margin: 6px 0 14px; max-width: 82ch; }
 .muted, figcaption, footer { color: #5b6570; }
 figure { margin: 20px 0 28px; }
-figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14); }
+figure img {
+  display: block; width: 100%; height: auto;
+  background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14);
+}
 figure.narrow img { max-width: 760px; }
 figcaption { font-size: 14.5px; margin-top: 8px; max-width: 96ch; }
-.scroll { overflow-x: auto; background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14); margin: 12px 0 24px; }
-table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
-th, td { padding: 6px 12px; text-align: right; white-space: nowrap; border-bottom: 1px solid #e8ebef; }
+.scroll {
+  overflow-x: auto; margin: 12px 0 24px;
+  background: #fff; border-radius: 8px; box-shadow: 0 1px 4px rgba(20, 30, 45, .14);
+}
+table {
+  border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums;
+}
+th, td {
+  padding: 6px 12px; text-align: right; white-space: nowrap; border-bottom: 1px solid #e8ebef;
+}
 th { color: #5b6570; font-weight: 600; }
 td.words, th.words { text-align: left; }
 details { margin: 12px 0; }
@@ -66,13 +80,15 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
         parts += [_figure(picture) for picture in chapter.pictures if picture.path.is_file()]
         parts += [_table(table) for table in chapter.tables]
     parts.append(
-        f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are inside this file.</footer>"
+        f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are "
+        "inside this file.</footer>"
     )
     body = "\n".join(filter(None, parts))
     Path(path).write_text(
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
-        f'content="width=device-width, initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n'
-        f"</head>\n<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n",
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta '
+        'name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
+        f"{body}\n</main>\n</body>\n</html>\n",
         encoding="utf-8",
     )
 
@@ -150,7 +166,8 @@ def _figure(picture: Picture) -> str:
     data = base64.b64encode(picture.path.read_bytes()).decode()
     caption = html.escape(picture.caption)
     return (
-        f'<figure{" class=narrow" if picture.narrow else ""}><img src="data:image/png;base64,{data}" alt="{caption}">'
+        f"<figure{' class=narrow' if picture.narrow else ''}>"
+        f'<img src="data:image/png;base64,{data}" alt="{caption}">'
         f"<figcaption>{caption}</figcaption></figure>"
     )
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """The truth of the phantom: where each material point of the beating ventricle is at each phase.
 
-The motion is the plugin's (vcg_ext/volume/ventricle_phantom.h), written again in numpy with the same constants and the same random
-numbers. Landmarks are judged against this function and not against the per-vertex attribute `material_coordinate`: that one is
-known at the layers' vertices only, which lie up to half a voxel off the ventricle's own surface; the function is exact everywhere.
+The motion is the plugin's (vcg_ext/volume/ventricle_phantom.h), written again in numpy with the
+same constants and the same random numbers. Landmarks are judged against this function and not
+against the per-vertex attribute `material_coordinate`: that one is known at the layers' vertices
+only, which lie up to half a voxel off the ventricle's own surface; the function is exact
+everywhere.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-RIM = 0.93  # u at which the surface ends for measurements: above, the base is cut where the voxels end
+# u at which the surface ends for measurements: above, the base is cut where the voxels end
+RIM = 0.93
 TRUSTED = 1.2  # mm: a landmark farther from that surface is not on it
 
 
@@ -20,7 +23,8 @@ SCAN_SPACING = (1.4, 1.4, 10.0)  # mm: that of a clinical cine scan
 
 
 class MaterialPoints(NamedTuple):
-    """Coordinates of tissue: u from apex 0 to base 1, theta round the long axis, m from inner 0 to outer surface 1."""
+    """Coordinates of tissue: u from apex 0 to base 1, theta round the long axis, m from inner 0 to
+    outer surface 1."""
 
     u: np.ndarray
     theta: np.ndarray
@@ -30,7 +34,8 @@ class MaterialPoints(NamedTuple):
 
 class Ventricle:
     def __init__(self, part: str = "Cavity", phases: int = 25, seed: int = 0, twist: float = 0.0):
-        """Twist in degrees. `part` says which sheets are its surface: Cavity the inner one, Wall both."""
+        """Twist in degrees. `part` says which sheets are its surface: Cavity the inner one, Wall
+        both."""
         draw = np.random.RandomState(seed)  # the order of the draws matters
         self.phases, self.twist = phases, np.radians(twist)
         self.sheets = (0.0,) if part == "Cavity" else (0.0, 1.0)
@@ -73,9 +78,10 @@ class Ventricle:
     def scan(
         self, spacing: Tuple[float, float, float] = SCAN_SPACING
     ) -> Tuple[np.ndarray, np.ndarray]:
-        """What a scanner and somebody who draws outlines leave of it: labels (x, y, z, phase), 1 the cavity and 2 the wall, below the
-        plane of the base; and the affine matrix (4, 4) from indices to mm. A voxel has the label of the tissue at its centre. The slices
-        lie where as few as possible leave the cavity or come into it during the cycle, as one plans a scan.
+        """What a scanner and somebody who draws outlines leave of it: labels (x, y, z, phase), 1
+        the cavity and 2 the wall, below the plane of the base; and the affine matrix (4, 4) from
+        indices to mm. A voxel has the label of the tissue at its centre. The slices lie where as
+        few as possible leave the cavity or come into it during the cycle, as one plans a scan.
         """
         u, theta = np.linspace(0, 1, 241), np.linspace(0, 2 * np.pi, 181)
         sheets = [
@@ -114,9 +120,11 @@ class Ventricle:
         return float(offsets[np.lexsort((-depth, changes))[0]])
 
     def material_points(self, points: np.ndarray, phase: float) -> MaterialPoints:
-        """The tissue at points (n, 3) of a surface: the closest points of the ventricle's sheets up to the rim.
+        """The tissue at points (n, 3) of a surface: the closest points of the ventricle's sheets up
+        to the rim.
 
-        Gauss-Newton in (u cos theta, u sin theta), where the apex is nothing special, from the closest of some samples.
+        Gauss-Newton in (u cos theta, u sin theta), where the apex is nothing special, from the
+        closest of some samples.
         """
         sheets = []
         for m in self.sheets:
@@ -140,9 +148,9 @@ class Ventricle:
         return best
 
     def _closest(self, points, q, m, phase):
-        at = lambda q: self.position(
-            np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), m, phase
-        )
+        def at(q):
+            return self.position(np.hypot(q[:, 0], q[:, 1]), np.arctan2(q[:, 1], q[:, 0]), m, phase)
+
         distance = np.linalg.norm(points - at(q), axis=1)
         length, h = np.ones(len(q)), 1e-6
         for _ in range(30):
@@ -160,9 +168,11 @@ class Ventricle:
         )
 
     def errors(self, landmarks: np.ndarray, root: int = 0) -> np.ndarray:
-        """Mean distance (mm), phase by phase, of landmarks (phases, n, 3) from the tissue that they lie on at the root's phase.
+        """Mean distance (mm), phase by phase, of landmarks (phases, n, 3) from the tissue that they
+        lie on at the root's phase.
 
-        Landmarks at the rim of the base and on the lid are left out: no tissue can be followed there.
+        Landmarks at the rim of the base and on the lid are left out: no tissue can be followed
+        there.
         """
         tissue = self.material_points(landmarks[root], root)
         known = tissue.distance < TRUSTED
@@ -187,7 +197,8 @@ def _nearest(points, samples):
 
 
 def _outline(sheet, height):
-    """Where a sheet, rows of points from apex to base, meets a plane z = height: a closed polygon, x and y."""
+    """Where a sheet, rows of points from apex to base, meets a plane z = height: a closed polygon,
+    x and y."""
     return np.array(
         [
             [np.interp(height, column[:, 2], column[:, k]) for k in range(2)]

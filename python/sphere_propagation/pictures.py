@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Pictures of maps, landmarks and errors as PNG files, rendered off screen with PyVista and set with Matplotlib.
+"""Pictures of maps, landmarks and errors as PNG files, rendered off screen with PyVista and set
+with Matplotlib.
 
-All surfaces of one picture are seen from one side and at one scale, so that what moves is the heart and not the camera.
+All surfaces of one picture are seen from one side and at one scale, so that what moves is the heart
+and not the camera.
 """
 
 from __future__ import annotations
@@ -39,7 +41,10 @@ def what_is_missing() -> str:
         try:  # VTK would crash
             ctypes.CDLL("libEGL.so.1")
         except OSError:
-            return "there is no display, and libEGL.so.1 is missing (on Debian and Ubuntu: apt-get install libegl1)"
+            return (
+                "there is no display, and libEGL.so.1 is missing (on Debian and Ubuntu: apt-get "
+                "install libegl1)"
+            )
     return ""
 
 
@@ -68,7 +73,8 @@ def landmarks_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
 
 
 def maps_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
-    """One checkerboard of the sphere, drawn on some phases through their maps: same field, same place."""
+    """One checkerboard of the sphere, drawn on some phases through their maps: same field, same
+    place."""
 
     def draw(scene, result, phase):
         surface = result.surfaces[phase]
@@ -104,13 +110,15 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
         whose = f"{row.title}, " if len(rows) > 1 else ""
         captions += [
             f"{whose}{len(row.result.surfaces[root].faces)} triangles",
-            f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd {figures['area_ratio_sd'][root]:.4f}",
+            f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd "
+            f"{figures['area_ratio_sd'][root]:.4f}",
         ]
     _set([panels], [captions], path, "A surface and its area-preserving map to the sphere")
 
 
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
-    """Error against known material points, one panel per row; `errors`: method -> mm per phase, one dict per row."""
+    """Error against known material points, one panel per row; `errors`: method -> mm per phase, one
+    dict per row."""
     plt = matplotlib_pyplot()
     figure, axes = plt.subplots(
         1, len(rows), figsize=(5.2 * len(rows) + 0.6, 4.2), dpi=200, sharey=True, squeeze=False
@@ -200,9 +208,10 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
     dpi = 200
     figure = plt.figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor="white")
     points = 72 / dpi  # per pixel
-    text = lambda x, y, words, size, **style: figure.text(
-        x / width, 1 - y / height, words, fontsize=size * points, **style
-    )
+
+    def text(x, y, words, size, **style):
+        figure.text(x / width, 1 - y / height, words, fontsize=size * points, **style)
+
     text(
         margin,
         62,
@@ -273,7 +282,8 @@ def quiet_axes(axis, both: bool = False) -> None:
 class Scene:
     """One picture without text, on white, in parallel projection.
 
-    rotation, center: to view coordinates, and what is in the middle there; extent: half width and height in the surfaces' unit;
+    rotation, center: to view coordinates, and what is in the middle there; extent: half width and
+    height in the surfaces' unit;
     scale: pixels per unit.
     """
 
@@ -312,7 +322,8 @@ class Scene:
         self._add(mesh, colors)
 
     def checkerboard(self, vertices, faces, positions, spherical=False):
-        """A surface with its map's latitudes and longitudes. spherical: the surface is the sphere itself."""
+        """A surface with its map's latitudes and longitudes. spherical: the surface is the sphere
+        itself."""
         seen = vertices @ self.rotation.T - self.center
         mesh = self.pyvista.PolyData(seen, np.c_[np.full(len(faces), 3), faces].ravel())
         mesh["normal"] = _soft_normals(seen, faces)
@@ -374,7 +385,8 @@ class Scene:
 
 @lru_cache(maxsize=1)
 def _checkerboard_texture(pyvista):
-    """Three turns of longitude side by side, so that a triangle across the date line finds its colours."""
+    """Three turns of longitude side by side, so that a triangle across the date line finds its
+    colours."""
     longitude, latitude = (np.arange(2016) + 0.5) / 2016, (np.arange(1000, 0, -1) - 0.5) / 500 - 1
     texture = pyvista.Texture(
         np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import os
 import re
+from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Dict, List, Optional
@@ -22,13 +23,22 @@ VOLUME_FILTER = "create_layers_from_label_volume"
 PYMESHLAB = "2025.7"  # the series whose interface the plugin is built for
 PYMESHLAB_PLUGINS = 58  # that a whole PyMeshLab of this series brings
 
-_loaded: Dict[str, Path] = {}  # by name of the library
-_filters: List[str] = []
-_volume_failure = ""  # why there is no plugin for label volumes
+
+@dataclass
+class _Registered:
+    """What register() has found so far."""
+
+    libraries: Dict[str, Path] = field(default_factory=dict)  # by name
+    filters: List[str] = field(default_factory=list)
+    volume_failure: str = ""  # why there is no plugin for label volumes
+
+
+_registered = _Registered()
 
 
 def find(library: str = LIBRARY) -> Path:
-    """Where a plugin is: what the environment variable names or beside it, else the package's own, else a checkout's build."""
+    """Where a plugin is: what the environment variable names or beside it, else the package's own,
+    else a checkout's build."""
     named = os.environ.get(VARIABLE)
     if named:
         if not Path(named).is_file():
@@ -46,17 +56,17 @@ def find(library: str = LIBRARY) -> Path:
         if (folder / library).is_file():
             return folder / library
     raise PluginError(
-        f"The plugin {library} is not in the package. In a checkout, scripts/build pymeshlab makes it; {VARIABLE} may "
-        f"name one elsewhere."
+        f"The plugin {library} is not in the package. In a checkout, scripts/build pymeshlab "
+        f"makes it; {VARIABLE} may name one elsewhere."
     )
 
 
 def register():
-    """Makes PyMeshLab know the filters, unless it knows them already (as after pymeshlab.load_plugin); returns that module.
+    """Makes PyMeshLab know the filters, unless it knows them already (as after
+    pymeshlab.load_plugin); returns that module.
 
     Every MeshSet has them from then on, those made before included.
     """
-    global _filters, _volume_failure
     pymeshlab = _pymeshlab()
     known = pymeshlab.filter_list()
     if FILTER not in known:
@@ -68,28 +78,27 @@ def register():
             raise PluginError(
                 f"PyMeshLab {pymeshlab_version()} does not load {library}: {error}"
             ) from error
-        _loaded[LIBRARY] = library
-    if VOLUME_FILTER not in known and not _volume_failure:
+        _registered.libraries[LIBRARY] = library
+    if VOLUME_FILTER not in known and not _registered.volume_failure:
         try:
             library = find(VOLUME_LIBRARY)
             pymeshlab.load_plugin(str(library))
-            _loaded[VOLUME_LIBRARY] = library
-        except (
-            PluginError,
-            pymeshlab.PyMeshLabException,
-        ) as error:  # everything else works without
-            _volume_failure = str(_missing_itk(str(error)) or error)
-    _filters = sorted({*_filters, *(set(pymeshlab.filter_list()) - set(known))})
-    for (
-        name
-    ) in pymeshlab.filter_list():  # methods of MeshSet, as PyMeshLab makes them of its own filters
+            _registered.libraries[VOLUME_LIBRARY] = library
+        except (PluginError, pymeshlab.PyMeshLabException) as error:
+            # Everything else works without.
+            _registered.volume_failure = str(_missing_itk(str(error)) or error)
+    new = set(pymeshlab.filter_list()) - set(known)
+    _registered.filters = sorted({*_registered.filters, *new})
+    # Methods of MeshSet, as PyMeshLab makes them of its own filters.
+    for name in pymeshlab.filter_list():
         if not hasattr(pymeshlab.MeshSet, name):
             setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
     return pymeshlab
 
 
 def require_volumes() -> None:
-    """A PluginError that says what is missing, where the plugin that reads label volumes could not be loaded."""
+    """A PluginError that says what is missing, where the plugin that reads label volumes could not
+    be loaded."""
     failure = volume_failure()
     if failure:
         raise PluginError(f"Label volumes cannot be read here. {failure}")
@@ -97,17 +106,17 @@ def require_volumes() -> None:
 
 def volume_failure() -> str:
     """Why label volumes cannot be read; empty when they can."""
-    return "" if VOLUME_FILTER in register().filter_list() else _volume_failure
+    return "" if VOLUME_FILTER in register().filter_list() else _registered.volume_failure
 
 
 def loaded(library: str = LIBRARY) -> Optional[Path]:
     """The file that register() loaded; None when PyMeshLab knew the filters before."""
-    return _loaded.get(library)
+    return _registered.libraries.get(library)
 
 
 def filters() -> List[str]:
     """Names of the filters that register() brought; empty when PyMeshLab knew them before."""
-    return list(_filters)
+    return list(_registered.filters)
 
 
 def pymeshlab_version() -> str:
@@ -141,7 +150,8 @@ def _pymeshlab():
 def _check_completeness(count: int) -> None:
     if count < PYMESHLAB_PLUGINS:
         raise PluginError(
-            f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may not open. "
+            f"PyMeshLab loaded only {count} of its {PYMESHLAB_PLUGINS} plugins, so that files may "
+            "not open. "
             + (_missing_libraries() or "Install it again: pip install --force-reinstall pymeshlab")
         )
 
@@ -151,8 +161,8 @@ def _missing_itk(text: str) -> Optional[PluginError]:
     library = re.search(r"(libITK[^\s:]*|libitk[^\s:]*): cannot open shared object", text)
     return (
         PluginError(
-            f"Missing on this system: {library[1]}, a library of ITK. On Debian 12: apt-get install libinsighttoolkit5.2. A wheel "
-            "of this package has it inside."
+            f"Missing on this system: {library[1]}, a library of ITK. On Debian 12: apt-get "
+            "install libinsighttoolkit5.2. A wheel of this package has it inside."
         )
         if library
         else None
@@ -160,7 +170,8 @@ def _missing_itk(text: str) -> Optional[PluginError]:
 
 
 def _missing_libraries() -> str:
-    """Advice on the system's libraries that PyMeshLab needs and does not bring; empty when all are there."""
+    """Advice on the system's libraries that PyMeshLab needs and does not bring; empty when all are
+    there."""
     missing = []
     for library, package in (("libGL.so.1", "libgl1"), ("libOpenGL.so.0", "libopengl0")):
         try:
@@ -170,6 +181,6 @@ def _missing_libraries() -> str:
     if not missing:
         return ""
     return (
-        f"Missing on this system: {', '.join(library for library, _ in missing)}. On Debian and Ubuntu: "
-        f"apt-get install {' '.join(package for _, package in missing)}"
+        f"Missing on this system: {', '.join(library for library, _ in missing)}. On Debian and "
+        f"Ubuntu: apt-get install {' '.join(package for _, package in missing)}"
     )

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Saying what goes on: lines where output is kept, a bar on a terminal.
 
-PyMeshLab passes no progress on to Python, so a bar moves from one step to the next (one filter, one picture); in between only its
-clock ticks.
+PyMeshLab passes no progress on to Python, so a bar moves from one step to the next (one filter, one
+picture); in between only its clock ticks.
 """
 
 from __future__ import annotations
@@ -30,6 +30,9 @@ class Silent:
         """Nothing more comes."""
 
 
+SILENT = Silent()
+
+
 class Lines(Silent):
     """One line per step, with the seconds that it took."""
 
@@ -53,7 +56,8 @@ class Lines(Silent):
 
 
 class Bar(Lines):
-    """The same lines, and below them a bar with the number of the step, what it does and for how long it has been at it."""
+    """The same lines, and below them a bar with the number of the step, what it does and for how
+    long it has been at it."""
 
     def __init__(self, steps: int, stream: Optional[TextIO] = None):
         super().__init__(stream)
@@ -91,7 +95,10 @@ class Bar(Lines):
 
     def _draw(self) -> None:
         filled = round(20 * min(1, self.finished / self.steps))
-        text = f"[{'#' * filled}{'.' * (20 - filled)}] {min(self.finished + 1, self.steps)}/{self.steps}"
+        text = (
+            f"[{'#' * filled}{'.' * (20 - filled)}] "
+            f"{min(self.finished + 1, self.steps)}/{self.steps}"
+        )
         if self.doing:
             text += f"  {self.doing}  {time.monotonic() - self.last:.0f} s"
         with self.lock:

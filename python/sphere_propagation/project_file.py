@@ -9,10 +9,11 @@ from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
 
-# How MeshLab shows a layer, as it writes it into projects: solid, smooth shading, vertex colours. First which of solid, triangle
-# wires, edges and points; then for points, edges, wires and solid which of position, vertex normal, face normal, vertex colour, face
-# colour, two kinds of texture and of index; then 17 + 15 switches, of which: visible, lit from one side; fixed colours for boxes and
-# wires, wires without shading, points smaller with distance.
+# How MeshLab shows a layer, as it writes it into projects: solid, smooth shading, vertex colours.
+# First which of solid, triangle wires, edges and points; then for points, edges, wires and solid
+# which of position, vertex normal, face normal, vertex colour, face colour, two kinds of texture
+# and of index; then 17 + 15 switches, of which: visible, lit from one side; fixed colours for boxes
+# and wires, wires without shading, points smaller with distance.
 SHOWN = (
     "1000"
     + "110100000"

@@ -19,9 +19,11 @@ from .views import Row, sphere_rotation, upright
 
 
 def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
-    """FOLDER/name/: surfaces, landmarks and spheres as PLY, in folders of their own; a project to work on and one to look at.
+    """FOLDER/name/: surfaces, landmarks and spheres as PLY, in folders of their own; a project to
+    work on and one to look at.
 
-    folder: a path, or the ResultFolder that these files are a part of. What the last call with this name wrote is replaced.
+    folder: a path, or the ResultFolder that these files are a part of. What the last call with this
+    name wrote is replaced.
     """
     row = result if isinstance(result, Row) else Row(name, result)
     result = row.result
@@ -60,7 +62,8 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
 
 
 def overview(row: Row, layers) -> List[ProjectLayer]:
-    """Surfaces in a grid, landmarks in a grid beside it, the root's sphere between the two; upright, as MeshLab looks at it."""
+    """Surfaces in a grid, landmarks in a grid beside it, the root's sphere between the two;
+    upright, as MeshLab looks at it."""
     result = row.result
     rotation = upright(result.surfaces[result.root].vertices, row.up)
     seen = [surface.vertices @ rotation.T for surface in result.surfaces]

@@ -34,6 +34,7 @@ COLUMNS = (
     "error_mm",
 )
 COUNTS = ("parent", "route", "flipped_faces", "repaired_faces")
+TEXTS = 2  # columns of the summary that are words: data and method
 
 
 class Run(NamedTuple):
@@ -102,18 +103,18 @@ def model_summary(model: ShapeModel, share: float = 0.95) -> str:
     found = model.figures["variance_share"]
     enough = int(np.argmax(found >= share)) + 1
     return (
-        f"{len(model.modes)} mode{'s' * (len(model.modes) > 1)}, the first with {100 * found[0]:.1f} % of the variance, "
-        f"{enough} for {100 * share:.0f} %"
+        f"{len(model.modes)} mode{'s' * (len(model.modes) > 1)}, the first with "
+        f"{100 * found[0]:.1f} % of the variance, {enough} for {100 * share:.0f} %"
     )
 
 
 def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
-    """One row per run, and the head before them."""
-    head = ["data", "method", "layers", "flips", "repaired", "root sd", "residual"]
+    """One row per run, and the header before them."""
+    header = ["data", "method", "layers", "flips", "repaired", "root sd", "residual"]
     known = any(run.errors is not None for run in runs)
     if known:
-        head += ["worst error", "mean error"]
-    lines = [head]
+        header += ["worst error", "mean error"]
+    lines = [header]
     for data, result, errors in runs:
         figures = result.figures
         line = [
@@ -138,9 +139,11 @@ def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
 def summary(runs: Sequence[Run]) -> str:
     """One line per run."""
     lines = summary_rows(runs)
-    head = lines[0]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
-    pad = lambda text, k: text.ljust(widths[k]) if k < 2 else text.rjust(widths[k])
-    return "\n".join(
-        "  ".join(pad(text, k) for k, text in enumerate(line)).rstrip() for line in lines
-    )
+    widths = [max(map(len, column)) for column in zip(*lines)]
+
+    def aligned(line: Sequence[str]) -> str:
+        words = [text.ljust(width) for text, width in zip(line[:TEXTS], widths)]
+        numbers = [text.rjust(width) for text, width in zip(line[TEXTS:], widths[TEXTS:])]
+        return "  ".join(words + numbers).rstrip()
+
+    return "\n".join(map(aligned, lines))

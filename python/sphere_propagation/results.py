@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The folder that a run leaves behind. It lists its files, so that the next run can take away what this one made and nothing else."""
+"""The folder that a run leaves behind. It lists its files, so that the next run can take away what
+this one made and nothing else."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ LIST = ".sphere-propagation.sha256"  # as sha256sum writes it; lies in the folde
 class ResultFolder:
     """Writes files and lists them. The first one written takes the files of an earlier run away.
 
-    What was changed since then, and what others put there, is never lost: it stays, and moves aside (name.bak) where its name is needed.
+    What was changed since then, and what others put there, is never lost: it stays, and moves aside
+    (name.bak) where its name is needed.
     """
 
     def __init__(self, folder):
@@ -22,11 +24,13 @@ class ResultFolder:
         self._written: Optional[Set[Path]] = None  # None: nothing yet
 
     def create(self) -> None:
-        """Makes the folder, so that what is wrong with it is said before there is something to write."""
+        """Makes the folder, so that what is wrong with it is said before there is something to
+        write."""
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def write(self, name: str, writer: Callable[[Path], object]) -> Path:
-        """Calls writer(path) for a file of that name (with / between folders) and lists it; returns the path."""
+        """Calls writer(path) for a file of that name (with / between folders) and lists it; returns
+        the path."""
         if self._written is None:
             self._clear()
             self._written = set()

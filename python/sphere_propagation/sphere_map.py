@@ -15,8 +15,9 @@ from .errors import InputError
 class SphereMap:
     """A spherical parameterisation: where each vertex of a surface lies on the unit sphere.
 
-    positions: unit vectors (n, 3); texture: the same as texture coordinates (n, 2), u = longitude / 2 pi, v = colatitude / pi, which
-    files keep, None where there are none or rounding them to floats would make the map invalid; figures: what the filter that made it
+    positions: unit vectors (n, 3); texture: the same as texture coordinates (n, 2), u = longitude /
+    2 pi, v = colatitude / pi, which files keep, None where there are none or rounding them to
+    floats would make the map invalid; figures: what the filter that made it
     measured: flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds.
     """
 
@@ -28,14 +29,16 @@ class SphereMap:
         positions = np.asarray(self.positions)
         if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in "fiu":
             raise InputError(
-                f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of shape {positions.shape}."
+                f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of "
+                f"shape {positions.shape}."
             )
         object.__setattr__(self, "positions", np.ascontiguousarray(positions, np.float64))
         if self.texture is not None:
             texture = np.ascontiguousarray(self.texture, np.float64)
             if texture.shape != (len(positions), 2):
                 raise InputError(
-                    f"Texture coordinates of this map must have the shape ({len(positions)}, 2), not {texture.shape}."
+                    f"Texture coordinates of this map must have the shape ({len(positions)}, 2), "
+                    f"not {texture.shape}."
                 )
             object.__setattr__(self, "texture", texture)
 

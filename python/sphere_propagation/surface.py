@@ -16,8 +16,9 @@ from .errors import InputError
 class Surface:
     """A closed triangle mesh without holes, handles or loose parts.
 
-    vertices: (n, 3) in one unit, mm for hearts; faces: (k, 3) vertex indices, counterclockwise from outside; name: what errors, layers
-    and files call it. Anything that numpy takes for arrays of these shapes is accepted.
+    vertices: (n, 3) in one unit, mm for hearts; faces: (k, 3) vertex indices, counterclockwise from
+    outside; name: what errors, layers and files call it. Anything that numpy takes for arrays of
+    these shapes is accepted.
     """
 
     vertices: np.ndarray
@@ -28,18 +29,20 @@ class Surface:
         vertices, faces = np.asarray(self.vertices), np.asarray(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "fiu":
             raise InputError(
-                f"{self.name}: vertices must be numbers of shape (n, 3), not {vertices.dtype} of shape {vertices.shape}."
+                f"{self.name}: vertices must be numbers of shape (n, 3), not {vertices.dtype} of "
+                f"shape {vertices.shape}."
             )
         if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
             raise InputError(
-                f"{self.name}: faces must be integers of shape (k, 3), not {faces.dtype} of shape {faces.shape}."
+                f"{self.name}: faces must be integers of shape (k, 3), not {faces.dtype} of shape "
+                f"{faces.shape}."
             )
         outside = (faces < 0) | (faces >= len(vertices))
         if outside.any():
             first = int(np.flatnonzero(outside.any(1))[0])
             raise InputError(
-                f"{self.name}: {int(outside.any(1).sum())} faces name a vertex that is not there (first: face {first}, "
-                f"{faces[first].tolist()}, of {len(vertices)} vertices)."
+                f"{self.name}: {int(outside.any(1).sum())} faces name a vertex that is not there "
+                f"(first: face {first}, {faces[first].tolist()}, of {len(vertices)} vertices)."
             )
         object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, np.float64))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, np.int32))

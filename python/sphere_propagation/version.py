@@ -8,7 +8,8 @@ from pathlib import Path
 
 
 def version() -> str:
-    """That of the project in CMakeLists.txt: written down when the package is built, read there in a checkout."""
+    """That of the project in CMakeLists.txt: written down when the package is built, read there in
+    a checkout."""
     try:
         from ._version import version as built
 

@@ -33,8 +33,9 @@ class Row(NamedTuple):
 def upright(
     vertices: np.ndarray, up: Optional[Sequence[float]] = None, tilt: float = 26.0
 ) -> np.ndarray:
-    """Rotation (3, 3) to view coordinates (right, up, towards the eye): `up` upright, the broad side in front, seen from `tilt`
-    degrees above. Without `up` the long axis is upright, its narrow end down, as hearts are drawn.
+    """Rotation (3, 3) to view coordinates (right, up, towards the eye): `up` upright, the broad
+    side in front, seen from `tilt` degrees above. Without `up` the long axis is upright, its narrow
+    end down, as hearts are drawn.
     """
     centered = vertices - vertices.mean(0)
     if up is None:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Fixtures of the tests of the pages. They need the plugins for PyMeshLab; everything else is in the checkout."""
+"""Fixtures of the tests of the pages. They need the plugins for PyMeshLab; everything else is in
+the checkout."""
 
 import os
 import sys

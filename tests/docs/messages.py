@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The words for the user in the sources: what errors, warnings and log lines say, without what varies.
+"""The words for the user in the sources: what errors, warnings and log lines say, but for what
+varies.
 
     python messages.py     lists them: file, words
 
-A message is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`. A piece that says something (three words or more) must be on
-the page docs/errors.md. In C++ every string of a filter or below that is no description of a parameter or of a filter counts; in Python and in the
-scripts, what goes into errors and warnings.
+A message is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`. A piece that says
+something (three words or more) must be on the page docs/errors.md. In C++ every string of a filter
+or below that is no description of a parameter or of a filter counts; in Python and in the scripts,
+what goes into errors and warnings.
 """
 
 import ast

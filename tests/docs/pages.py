@@ -13,7 +13,8 @@ NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block of code. `line` is that of its first line in the page; `not_run` the reason that a comment before it gives."""
+    """A fenced block of code. `line` is that of its first line in the page; `not_run` the reason
+    that a comment before it gives."""
 
     language: str
     line: int

@@ -3,7 +3,8 @@
 
     python reference.py FOLDER_OF_PLUGINS [FILE]
 
-scripts/make-reference builds what this needs and runs it; test_reference.py compares the page with the plugins.
+scripts/make-reference builds what this needs and runs it; test_reference.py compares the page with
+the plugins.
 """
 
 import ctypes
@@ -14,7 +15,10 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import pymeshlab  # whose MeshLab the library below uses
-from pages import anchor
+from pages import PROJECT, anchor
+
+sys.path.append(str(PROJECT / "scripts"))
+from wrap_markdown import wrapped
 
 MENUS = {  # bits of FilterPlugin::FilterClass -> the menu under Filters
     0x00040: "Create New Mesh Layer",
@@ -34,17 +38,18 @@ TYPES = {
     "RichOpenFile": "file to read",
 }
 
-PLUGINS = (
-    "libfilter_label_volume.so",
-    "libfilter_sphere_propagation.so",
-)  # in the order of the job
+# In the order of the job.
+PLUGINS = ("libfilter_label_volume.so", "libfilter_sphere_propagation.so")
 
-HEAD = """\
+HEADER = """\
 # The filters
 
-All filters with all parameters, as the plugins themselves describe them: `scripts/make-reference` writes this page, and a test compares it
-with them. The first filter is that of `libfilter_label_volume.so`, all others are those of `libfilter_sphere_propagation.so`. A parameter that is not given has its default. In Python, a choice is given by its text, a layer by its number.
-The [tutorial](tutorial.md) says how they work together, [When something goes wrong](errors.md) what their messages mean.
+All filters with all parameters, as the plugins themselves describe them: `scripts/make-reference`
+writes this page, and a test compares it with them. The first filter is that of
+`libfilter_label_volume.so`, all others are those of `libfilter_sphere_propagation.so`. A parameter
+that is not given has its default. In Python, a choice is given by its text, a layer by its number.
+The [tutorial](tutorial.md) says how they work together, [When something goes wrong](errors.md) what
+their messages mean.
 
 | menu entry | in Python | menus |
 | --- | --- | --- |
@@ -87,18 +92,17 @@ def markdown(text):
 
 def returned(paragraph):
     """ "Returned: <b>key</b>: meaning; <b>key</b>: ..." as a list."""
-    head, *items = re.split(r"(?:: |; |\. |, )(?=<b>)", paragraph)
+    header, *items = re.split(r"(?:: |; |\. |, )(?=<b>)", paragraph)
     items = [re.sub("<b>(.*?)</b>", r"`\1`", item).rstrip(".") for item in items]
     items[-1], _, remark = items[-1].partition(". ")
     lines, keys = [], []
     for item in items:
         keys.append(item)
-        if (
-            ": " in item or "(" in item or item == items[-1]
-        ):  # what several keys mean is said after the last of them
+        # What several keys mean is said after the last of them.
+        if ": " in item or "(" in item or item == items[-1]:
             lines.append("- " + html.unescape(", ".join(keys)))
             keys = []
-    return f"**{head}:**\n" + "\n".join(lines) + (f"\n\n{remark}." if remark else "")
+    return f"**{header}:**\n" + "\n".join(lines) + (f"\n\n{remark}." if remark else "")
 
 
 def references(paragraph):
@@ -171,7 +175,8 @@ def section(element):
     )
     blocks = [
         f"## {element.get('name')}",
-        f"`{element.get('python_name')}`; in MeshLab: Filters, *{'*, and *'.join(menus(element))}*.",
+        f"`{element.get('python_name')}`; in MeshLab: Filters, "
+        f"*{'*, and *'.join(menus(element))}*.",
         *does,
         table if parameters else "No parameters.",
         *returns,
@@ -191,7 +196,7 @@ def page(folder):
         )
         for f in filters
     ]
-    return HEAD + "\n".join(table) + "\n\n" + "\n".join(section(f) for f in filters)
+    return wrapped(HEADER + "\n".join(table) + "\n\n" + "\n".join(section(f) for f in filters))
 
 
 if __name__ == "__main__":

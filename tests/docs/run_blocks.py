@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Runs blocks of Python in one namespace, as a reader who copies them one after another: run_blocks.py < JSON
+"""Runs blocks of Python in one namespace, as a reader who copies them one after another:
+run_blocks.py < JSON
 
 JSON: list of [page, line, code]. A traceback names the page and its line.
 """

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Code on the pages works. Python blocks run, those of a page one after another, in a folder like a checkout with a reader's meshes in
-it:
+"""Code on the pages works. Python blocks run, those of a page one after another, in a folder like a
+checkout with a reader's meshes in it:
 
     phases/phase_00.ply ...    closed surfaces of one cycle, coarse        heart.ply    one of them
     labels_4d.nii.gz           labels of two phases
     scripts, sample_projects, build/pymeshlab/plugins                      those of the checkout
 
-Of shell blocks, every command is one that is known here, every script is there and knows its options. A comment
-`<!-- not run: why -->` before a block excuses it.
+Of shell blocks, every command is one that is known here, every script is there and knows its
+options. A comment `<!-- not run: why -->` before a block excuses it.
 """
 
 import gzip
@@ -81,6 +81,7 @@ def test_python_runs(page, folder, plugin):
         capture_output=True,
         text=True,
         timeout=300,
+        check=False,
     )
     assert done.returncode == 0, done.stderr[-3000:]
     assert not list(folder.rglob("*.ply.ply")), "a page's code saves files under a doubled ending"
@@ -178,5 +179,6 @@ def test_shell_names_what_is_there(page, folder):
             except (AssertionError, SystemExit, subprocess.CalledProcessError) as error:
                 output = getattr(error, "stderr", b"") or b""
                 pytest.fail(
-                    f"{page.name}:{block.line}: {shlex.join(words)}: {error} {output.decode()[-1000:]}"
+                    f"{page.name}:{block.line}: {shlex.join(words)}: {error} "
+                    f"{output.decode()[-1000:]}"
                 )

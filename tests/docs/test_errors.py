@@ -54,7 +54,8 @@ def test_every_explained_message_exists():
             ["it is quite empty"],
         ),
         (
-            'throw Error("one long line "\n  "of words" + std::to_string(n) + " and so it goes on");',
+            'throw Error("one long line "\n'
+            '  "of words" + std::to_string(n) + " and so it goes on");',
             ["one long line of words", "and so it goes on"],
         ),
         (

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Links lead somewhere: every page, heading, picture, script and source file that a page names is there."""
+"""Links lead somewhere: every page, heading, picture, script and source file that a page names is
+there."""
 
 import re
 

@@ -17,9 +17,11 @@ OTHER_SEED = 5  # of the phantoms that the yardstick makes; the filter's own def
 
 
 def project_of(sequence):
-    """A new project with the surfaces of one cycle; phase 0 is the current layer and has the number 0.
+    """A new project with the surfaces of one cycle; phase 0 is the current layer and has the number
+    0.
 
-    sequence: one of SEQUENCES, or "yardstick cavity" or "yardstick wall" for meshes made by the yardstick's phantom.
+    sequence: one of SEQUENCES, or "yardstick cavity" or "yardstick wall" for meshes made by the
+    yardstick's phantom.
     """
     ms = pymeshlab.MeshSet()
     kind, _, part = sequence.partition(" ")
@@ -61,7 +63,8 @@ class Run:
 
 @functools.lru_cache(maxsize=None)
 def run_pipeline(sequence, method, order):
-    """Root map of phase 0, propagation, evaluation and remeshing; computed once per test session."""
+    """Root map of phase 0, propagation, evaluation and remeshing; computed once per test
+    session."""
     measure = yardstick("measure")
     ms = project_of(sequence)
     surfaces = documents.layers(ms)

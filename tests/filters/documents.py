@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Small helpers on PyMeshLab documents: the filters' names, layers, and snapshots that can be compared."""
+"""Small helpers on PyMeshLab documents: the filters' names, layers, and snapshots that can be
+compared."""
 
 import contextlib
 import hashlib
@@ -36,7 +37,8 @@ FIGURES = ["flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean"
 
 
 def add(ms, vertices, faces, label, **more):
-    """Adds a layer, makes it the current one and returns its number. `more`: what pymeshlab.Mesh takes besides."""
+    """Adds a layer, makes it the current one and returns its number. `more`: what pymeshlab.Mesh
+    takes besides."""
     mesh = pymeshlab.Mesh(
         np.asarray(vertices, float).reshape(-1, 3),
         np.asarray(faces, np.int32).reshape(-1, 3),
@@ -78,7 +80,8 @@ def has_attribute(mesh, name=ATTRIBUTE):
 
 
 def texture_positions(mesh):
-    """The map stored on a layer as texture coordinates: u = longitude / 2 pi, v = colatitude / pi."""
+    """The map stored on a layer as texture coordinates: u = longitude / 2 pi, v = colatitude /
+    pi."""
     uv = mesh.vertex_tex_coord_matrix()
     longitude, colatitude = 2 * np.pi * uv[:, 0], np.pi * uv[:, 1]
     return np.stack(
@@ -95,7 +98,8 @@ def texture_positions(mesh):
 
 
 def small_cycle(phases=4, **more):
-    """A project with a coarse phantom, a few hundred vertices per layer; phase 0 is the current layer, number 0."""
+    """A project with a coarse phantom, a few hundred vertices per layer; phase 0 is the current
+    layer, number 0."""
     ms = pymeshlab.MeshSet()
     ms.apply_filter(PHANTOM, phases=phases, voxel_size=4.0, **more)
     return ms
@@ -159,7 +163,8 @@ def content(mesh):
 
 
 def snapshot(ms):
-    """Everything a project holds. Two snapshots are equal when the projects are the same, bit for bit."""
+    """Everything a project holds. Two snapshots are equal when the projects are the same, bit for
+    bit."""
     current = ms.current_mesh_id() if ms.mesh_number() > 0 else None
     return {"current": current, "layers": [content(m) for m in ms]}
 
@@ -167,12 +172,14 @@ def snapshot(ms):
 # ---------------------------------------------------------------- failures
 
 
-failed = []  # PyMeshLab goes on writing into the log of a MeshSet in which a filter failed, so these are kept
+# PyMeshLab goes on writing into the log of a MeshSet in which a filter failed, so these are kept
+failed = []
 
 
 @contextlib.contextmanager
 def refused(ms, *words):
-    """The block must raise PyMeshLab's own exception, whose text contains `words`, and leave the project as it was."""
+    """The block must raise PyMeshLab's own exception, whose text contains `words`, and leave the
+    project as it was."""
     failed.append(ms)
     before = snapshot(ms)
     with pytest.raises(pymeshlab.PyMeshLabException) as caught:
@@ -183,7 +190,7 @@ def refused(ms, *words):
         assert word in str(caught.value)
 
 
-# ---------------------------------------------------------------- filter scripts, which speak the menu's names
+# ------------------------------------------------ filter scripts, which speak the menu's names
 
 
 def written_script(ms, path):
@@ -194,13 +201,15 @@ def written_script(ms, path):
 
 
 def apply_by_menu_name(ms, path, name, **texts):
-    """Applies a filter as MeshLab's menu calls it, with text parameters if any. Throws where there is no such filter."""
+    """Applies a filter as MeshLab's menu calls it, with text parameters if any. Throws where there
+    is no such filter."""
     parameters = "".join(
         f'<Param type="RichString" name={quoteattr(k)} value={quoteattr(v)}/>'
         for k, v in texts.items()
     )
     path.write_text(
-        f"<!DOCTYPE FilterScript>\n<FilterScript><filter name={quoteattr(name)}>{parameters}</filter></FilterScript>\n"
+        "<!DOCTYPE FilterScript>\n<FilterScript><filter "
+        f"name={quoteattr(name)}>{parameters}</filter></FilterScript>\n"
     )
     ms.clear_filter_script()
     ms.load_filter_script(str(path))

@@ -2,7 +2,8 @@
 """Where the plugin, the data and the yardstick are.
 
 SPHERE_PROPAGATION_PLUGIN   the plugin's file; default: what `scripts/build pymeshlab` makes
-SPHERE_PROPAGATION_DATA     folder of the data, the yardstick beside it; default: ../shared/data beside the checkout
+SPHERE_PROPAGATION_DATA     folder of the data, the yardstick beside it; default: ../shared/data
+                            beside the checkout
 CI=true                     missing data is a failure, not a skip
 """
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Small surfaces, good and bad, as (vertices n x 3, faces m x 3). The good one is `egg`; each bad one has one defect."""
+"""Small surfaces, good and bad, as (vertices n x 3, faces m x 3). The good one is `egg`; each bad
+one has one defect."""
 
 import numpy as np
 
@@ -8,12 +9,14 @@ def egg(rings=10, sectors=14, centre=(0, 0, 0), radii=(20, 24, 35)):
     """A closed surface: two poles and rings of vertices between them, thicker towards one end."""
     colatitude = np.pi * (np.arange(rings) + 1) / (rings + 1)
     longitude = 2 * np.pi * np.arange(sectors) / sectors
-    c, l = (x.ravel() for x in np.meshgrid(colatitude, longitude, indexing="ij"))
-    unit = np.stack([np.sin(c) * np.cos(l), np.sin(c) * np.sin(l), np.cos(c)], 1)
+    c, s = (x.ravel() for x in np.meshgrid(colatitude, longitude, indexing="ij"))
+    unit = np.stack([np.sin(c) * np.cos(s), np.sin(c) * np.sin(s), np.cos(c)], 1)
     unit = np.concatenate([[[0, 0, 1]], unit, [[0, 0, -1]]])
     vertices = unit * radii * (1 + 0.15 * unit[:, 2:]) + centre
 
-    at = lambda ring, sector: 1 + ring * sectors + sector % sectors
+    def at(ring, sector):
+        return 1 + ring * sectors + sector % sectors
+
     faces = []
     for s in range(sectors):
         faces.append([0, at(0, s), at(0, s + 1)])
@@ -32,7 +35,8 @@ def tetrahedron(a, b, c, d):
 
 
 def joined(first, second, shared=()):
-    """Both surfaces in one mesh. shared: pairs (vertex of first, vertex of second) that become one vertex."""
+    """Both surfaces in one mesh. shared: pairs (vertex of first, vertex of second) that become one
+    vertex."""
     (v, f), (w, g) = first, second
     number = np.arange(len(w)) + len(v)
     for kept, dropped in shared:
@@ -67,7 +71,10 @@ def torus(around=16, across=8):
     v = np.stack(
         [(30 + 10 * np.cos(b)) * np.cos(a), (30 + 10 * np.cos(b)) * np.sin(a), 10 * np.sin(b)], 1
     )
-    at = lambda i, j: (i % around) * across + j % across
+
+    def at(i, j):
+        return (i % around) * across + j % across
+
     f = np.concatenate(
         [
             np.stack([at(u, w), at(u + 1, w), at(u + 1, w + 1)], 1),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Bad input: each case is refused with an error that says what is wrong and what mends it, and changes nothing; or it works."""
+"""Bad input: each case is refused with an error that says what is wrong and what mends it, and
+changes nothing; or it works."""
 
 import resource
 
@@ -31,8 +32,8 @@ from surfaces import egg
 
 NAN, INF = float("nan"), float("inf")
 
-# Name: the mesh, what the error says (cause, count, first index), and the menu's filters that mend it with their texts.
-# None where nothing can be mended in MeshLab without rebuilding the surface.
+# Name: the mesh, what the error says (cause, count, first index), and the menu's filters that mend
+# it with their texts. None where nothing can be mended in MeshLab without rebuilding the surface.
 SELECT_NAN = ("Conditional Vertex Selection", {"condSelect": "x-x+y-y+z-z != 0"})
 DEFECTS = {
     "not closed": (
@@ -111,7 +112,8 @@ def name_of(step):
 
 
 def says(defect):
-    """Words that the error must contain: the layer, the cause, and the menu names of the filters that mend it."""
+    """Words that the error must contain: the layer, the cause, and the menu names of the filters
+    that mend it."""
     _, words, remedy = defect
     return [f'"{LABEL}"', *words] + [f'"{name_of(step)}"' for step in remedy or []]
 
@@ -149,7 +151,7 @@ def add_decorated(ms, v, f, label):
     return mesh
 
 
-# ---------------------------------------------------------------- meshes that are no closed surfaces
+# ------------------------------------------------ meshes that are no closed surfaces
 
 
 def test_the_root(defect):
@@ -185,7 +187,8 @@ def test_a_layer_that_carries_positions(case, name):
 
 @pytest.mark.parametrize("name", [n for n in DEFECTS if DEFECTS[n][2]])
 def test_what_the_error_names_mends_it(name, tmp_path):
-    """The filters that the error names exist in MeshLab's menu, and after them the root's map can be made."""
+    """The filters that the error names exist in MeshLab's menu, and after them the root's map can
+    be made."""
     make, _, remedy = DEFECTS[name]
     ms = pymeshlab.MeshSet()
     add(ms, *make(), LABEL)

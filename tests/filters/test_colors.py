@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Colour by spherical parameterisation: the same place has the same colour on every layer; area ratios as quality."""
+"""Colour by spherical parameterisation: the same place has the same colour on every layer; area
+ratios as quality."""
 
 import sys
 
@@ -58,7 +59,8 @@ def project():
 
 
 def far_from_edges(places, cells, around, least=0.06):
-    """Which points of the sphere are further than `least` radians from the edges of the checkerboard, in both directions."""
+    """Which points of the sphere are further than `least` radians from the edges of the
+    checkerboard, in both directions."""
     longitude, latitude = sphere_coordinates(places)
     u, v = longitude * around, (1 - latitude) / 2 * cells
     width = np.sqrt(np.maximum(1 - places[:, 2] ** 2, 1e-12)) * 2 * np.pi / around
@@ -68,7 +70,8 @@ def far_from_edges(places, cells, around, least=0.06):
 
 
 def test_the_checkerboard_is_that_of_the_pictures(project):
-    """An independent implementation, which knows no blending, agrees away from the edges; blending stays within its two sides."""
+    """An independent implementation, which knows no blending, agrees away from the edges; blending
+    stays within its two sides."""
     assert project.apply_filter(COLOR, cells=4)["layers"] == 9
     checked = 0
     for mesh, places in [(m, positions(m)) for m in surfaces_of(project)] + [
@@ -141,7 +144,10 @@ def test_landmark_layers_may_be_left_alone():
 
 def solid_angles(places, faces):
     a, b, c = (places[faces[:, k]] for k in range(3))
-    dot = lambda p, q: np.einsum("ij,ij->i", p, q)
+
+    def dot(p, q):
+        return np.einsum("ij,ij->i", p, q)
+
     return 2 * np.arctan2(dot(a, np.cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a))
 
 
@@ -161,8 +167,8 @@ def test_area_ratios_are_stored_as_quality(pattern, more):
         share = solid_angles(places, f) / (4 * np.pi)
         due = areas(surface.vertex_matrix(), f) / areas(surface.vertex_matrix(), f).sum()
         assert np.allclose(surface.face_scalar_array(), share / due, rtol=1e-9)
-        ring = lambda x: np.bincount(f.ravel(), np.repeat(x, 3))
-        assert np.allclose(surface.vertex_scalar_array(), ring(share) / ring(due), rtol=1e-9)
+        around = [np.bincount(f.ravel(), np.repeat(x, 3)) for x in (share, due)]
+        assert np.allclose(surface.vertex_scalar_array(), around[0] / around[1], rtol=1e-9)
         assert np.allclose(sphere.vertex_scalar_array(), surface.vertex_scalar_array(), rtol=1e-9)
         assert np.allclose(sphere.face_scalar_array(), surface.face_scalar_array(), rtol=1e-9)
     figures = ms.apply_filter(EVALUATE)

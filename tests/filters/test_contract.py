@@ -26,7 +26,8 @@ from documents import (
 from environment import PROJECT
 from surfaces import egg
 
-# Parameters in their order, with their defaults; a list is a choice whose first entry is the default.
+# Parameters in their order, with their defaults; a list is a choice whose first entry is the
+# default.
 PARAMETERS = {
     PHANTOM: {"part": ["Cavity", "Wall"], "phases": 25, "voxel_size": 2.0, "twist": 0.0, "seed": 0},
     ROOT: {
@@ -107,7 +108,8 @@ RETURNED = {
 
 @pytest.fixture(scope="module")
 def tour():
-    """A project after all filters, and what each returned, none of their parameters set but the phantom's size."""
+    """A project after all filters, and what each returned, none of their parameters set but the
+    phantom's size."""
     ms = pymeshlab.MeshSet()
     returned = {PHANTOM: ms.apply_filter(PHANTOM, phases=3, voxel_size=4)}
     for name in FILTERS[1:]:
@@ -228,7 +230,7 @@ def test_landmarks_without_colours():
     assert len(np.unique(ms.mesh(2).vertex_color_matrix(), axis=0)) == 1
 
 
-# ---------------------------------------------------------------- which layer gets its map from which
+# ------------------------------------------------ which layer gets its map from which
 
 
 @pytest.mark.parametrize("root", [0, 2, 4])

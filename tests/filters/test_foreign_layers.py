@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""A layer of another kind among the phases of a heart: it may come out as it will, but spoils no other layer."""
+"""A layer of another kind among the phases of a heart: it may come out as it will, but spoils no
+other layer."""
 
 import numpy as np
 import pymeshlab

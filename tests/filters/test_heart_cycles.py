@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The main job: root map, propagation and remeshing of whole heart cycles, measured by the yardstick from what is stored."""
+"""The main job: root map, propagation and remeshing of whole heart cycles, measured by the
+yardstick from what is stored."""
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ def test_every_map_is_valid(run):
 
 
 def test_the_copy_in_texture_coordinates_is_valid_too(run, measure):
-    for (v, f), s, copy in zip(run.surfaces, run.maps, run.texture_maps):
+    for (_, f), s, copy in zip(run.surfaces, run.maps, run.texture_maps):
         omega = measure.solid_angles(copy, f)
         assert (omega > 0).all()
         assert omega.sum() == pytest.approx(4 * np.pi, abs=1e-9)
@@ -75,7 +76,8 @@ def test_landmark_meshes_share_one_face_list(run):
 
 
 def test_landmarks_lie_where_the_map_says(run, measure):
-    """A landmark lies on the surface, and the map sends that place to the same direction on every layer."""
+    """A landmark lies on the surface, and the map sends that place to the same direction on every
+    layer."""
     directions = []
     for (v, f), s, x in zip(run.surfaces, run.maps, run.landmarks):
         face, weight, distance = measure.closest_points(v, f, x)
@@ -83,7 +85,8 @@ def test_landmarks_lie_where_the_map_says(run, measure):
         d = np.einsum("pk,pkj->pj", weight, s[f[face]])
         directions.append(d / np.linalg.norm(d, axis=1, keepdims=True))
     for d in directions:
-        # Where faces are tiny on the sphere or fold in space, rounding moves the direction a little.
+        # Where faces are tiny on the sphere or fold in space, rounding moves the direction a
+        # little.
         assert np.percentile(np.abs(d - directions[0]), 99) < 1e-6
     omega = measure.solid_angles(directions[0], run.landmark_faces[0])
     assert omega.sum() == pytest.approx(4 * np.pi)
@@ -97,7 +100,8 @@ def test_surface_distances_are_small(run):
 
 
 def test_surface_distances_are_those_of_the_yardstick(run, measure):
-    """By the definition in remeshing.h: area-weighted from the landmark mesh and from the surface, averaged; the largest."""
+    """By the definition in remeshing.h: area-weighted from the landmark mesh and from the surface,
+    averaged; the largest."""
     for i in (0, len(run.surfaces) // 2):
         (v, f), x, g = run.surfaces[i], run.landmarks[i], run.landmark_faces[i]
         forth = measure.closest_points(v, f, x[g].mean(1))[2]
@@ -170,7 +174,8 @@ def test_area_weight_trades_areas_for_angles():
 
 
 def test_error_on_a_real_heart(truth, measure):
-    """Cyclic time from phase 0. The published method as others measured it: 5.6 mm at worst; ours must be better."""
+    """Cyclic time from phase 0. The published method as others measured it: 5.6 mm at worst; ours
+    must be better."""
     error = {}
     for method in ("Robust", "As published"):
         landmarks = run_pipeline("heart_truth", method, "Cyclic time").landmarks

@@ -38,7 +38,8 @@ def test_the_log_says_which_layer_was_lost():
 
 def test_the_route_says_how_each_layer_got_its_map():
     log = log_of(
-        f"ms.apply_filter({ROOT!r}); print('route', ms.apply_filter({PROPAGATE!r})['route'].tolist())"
+        f"ms.apply_filter({ROOT!r}); print('route', "
+        f"ms.apply_filter({PROPAGATE!r})['route'].tolist())"
     )
     assert "route [0.0, 1.0, " in log
 
@@ -77,7 +78,8 @@ def sphere(radius, centre=0.0):
 
 
 def test_a_filter_error_does_not_leave_a_dead_log_behind():
-    """PyMeshLab keeps a MeshSet's log in the plugin when a filter throws, also after that MeshSet is gone."""
+    """PyMeshLab keeps a MeshSet's log in the plugin when a filter throws, also after that MeshSet
+    is gone."""
     log = log_of(f"""
 other = pymeshlab.MeshSet()
 other.apply_filter("create_ventricle_phantom", phases=1, voxel_size=4)

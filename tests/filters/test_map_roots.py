@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Maps that do not belong together: told apart by the root that they came from, named in the log, refused by the model."""
+"""Maps that do not belong together: told apart by the root that they came from, named in the log,
+refused by the model."""
 
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import pymeshlab
 import pytest
 from documents import (
     ATTRIBUTE,
+    COLOR,
     EVALUATE,
     MODEL,
     PROPAGATE,
@@ -47,12 +49,13 @@ def remap(ms, number, **parameters):
 
 
 def log_of(script, phases=3):
-    """What the filters say, after a cycle was mapped and propagated. `script` knows ms and the filters' names."""
+    """What the filters say, after a cycle was mapped and propagated. `script` knows ms and the
+    filters' names."""
     before = f"""
 import pymeshlab
 pymeshlab.load_plugin({str(PLUGIN)!r})
 ROOT, PROPAGATE, REMESH, MODEL = {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}
-EVALUATE, SPHERES, COLOR = {EVALUATE!r}, {SPHERES!r}, "compute_color_from_spherical_parameterisation_per_vertex"
+EVALUATE, SPHERES, COLOR = {EVALUATE!r}, {SPHERES!r}, {COLOR!r}
 ms = pymeshlab.MeshSet(verbose=True)
 ms.apply_filter("create_ventricle_phantom", phases={phases}, voxel_size=4)
 ms.apply_filter(ROOT)
@@ -197,12 +200,13 @@ def test_a_layer_joined_of_two_has_no_root():
     assert roots(ms)[2] == -1
 
 
-# ---------------------------------------------------------------- what the filters say of different roots
+# ------------------------------------------------ what the filters say of different roots
 
 
 def test_layers_of_one_root_are_not_complained_of():
     log = log_of(
-        "ms.apply_filter(EVALUATE); ms.apply_filter(SPHERES); ms.apply_filter(COLOR); ms.apply_filter(MODEL)"
+        "ms.apply_filter(EVALUATE); ms.apply_filter(SPHERES); ms.apply_filter(COLOR); "
+        "ms.apply_filter(MODEL)"
     )
     assert "Warning" not in log and "is not known" not in log
 
@@ -211,8 +215,8 @@ def test_layers_of_one_root_are_not_complained_of():
 def test_maps_of_different_roots_are_named(name):
     log = log_of(f"remap(1); ms.apply_filter({name})")
     assert (
-        'Warning: the maps come from different roots ("phantom cavity 00", "phantom cavity 02" from one; '
-        '"phantom cavity 01" from another), so that'
+        'Warning: the maps come from different roots ("phantom cavity 00", "phantom cavity 02" '
+        'from one; "phantom cavity 01" from another), so that'
     ) in log
 
 
@@ -228,7 +232,8 @@ def test_layers_of_unknown_root_beside_others_are_named_without_a_warning():
     log = log_of("""
 mesh = ms.mesh(1)
 uv = mesh.vertex_tex_coord_matrix()
-ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix() + 1, mesh.face_matrix(), v_tex_coords_matrix=uv), "from a file")
+moved = mesh.vertex_matrix() + 1
+ms.add_mesh(pymeshlab.Mesh(moved, mesh.face_matrix(), v_tex_coords_matrix=uv), "from a file")
 ms.apply_filter(REMESH)
 """)
     assert 'Note: which root the maps of "from a file" came from is not known' in log
@@ -302,11 +307,13 @@ def test_landmarks_of_an_earlier_map_are_named():
         "ms.apply_filter(PROPAGATE, method='As published', root_layer=0); ms.apply_filter(MODEL)"
     )
     assert (
-        'Warning: the maps of the surfaces of "phantom cavity 01 landmarks", "phantom cavity 02 landmarks" have changed '
-        'since these landmarks were made. Run "Remesh by icosphere" again.'
+        'Warning: the maps of the surfaces of "phantom cavity 01 landmarks", "phantom cavity 02 '
+        'landmarks" have changed since these landmarks were made. Run "Remesh by icosphere" again.'
     ) in log
     again = log_of(
-        "ms.apply_filter(PROPAGATE, method='As published', root_layer=0)\nms.apply_filter(REMESH, frequency=4)\nms.apply_filter(MODEL)"
+        "ms.apply_filter(PROPAGATE, method='As published', root_layer=0)\n"
+        "ms.apply_filter(REMESH, frequency=4)\n"
+        "ms.apply_filter(MODEL)"
     )
     assert "Warning" not in again
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""mirror_layers of the propagation: layers that are mirror images of the others are reflected before they get their map."""
+"""mirror_layers of the propagation: layers that are mirror images of the others are reflected
+before they get their map."""
 
 import numpy as np
 import pymeshlab
@@ -98,7 +99,8 @@ def test_a_mirrored_heart_among_others_is_as_if_it_never_was():
 
 
 def test_a_mirrored_heart_elsewhere_is_mirrored_and_its_pose_found():
-    """The landmarks are the mirror images of those of the original, but for the pose, which is aligned instead of known."""
+    """The landmarks are the mirror images of those of the original, but for the pose, which is
+    aligned instead of known."""
     shapes = hearts()
     plain = project(shapes)
     plain.apply_filter(PROPAGATE, order="Cyclic time")

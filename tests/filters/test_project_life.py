@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""A project over time: filters run again, files saved and loaded, layers of all kinds side by side, layers hidden."""
+"""A project over time: filters run again, files saved and loaded, layers of all kinds side by side,
+layers hidden."""
 
 import subprocess
 import sys
@@ -206,8 +207,8 @@ ms.apply_filter({REMESH!r})
     log = run.stdout + run.stderr
     assert "shapes: 3" in log
     assert (
-        '"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", which counts twice'
-        in log
+        '"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", '
+        "which counts twice" in log
     )
     assert 'Layer "a copy" also holds landmarks of "phantom cavity 00", from an earlier run' in log
 
@@ -330,7 +331,7 @@ def test_hidden_layers_are_left_out():
     assert len(ms.apply_filter(REMESH)["seconds"]) == 3
     assert ms.apply_filter(SPHERES)["layers"] == 3
     assert content(ms.mesh(2)) == hidden
-    assert not any(l.startswith("phantom cavity 02 ") for l in labels(ms))
+    assert not any(label.startswith("phantom cavity 02 ") for label in labels(ms))
 
 
 def test_file_endings_are_left_out_of_new_labels():
@@ -441,7 +442,8 @@ def test_an_invalid_map_is_reported_and_not_used(damage):
 
 
 def test_other_filters_can_use_the_attributes_of_new_layers():
-    """Scalar ones: for attributes of points MeshLab 2025.07 itself reserves too little and computes with freed memory (filter_func.cpp)."""
+    """Scalar ones: for attributes of points MeshLab 2025.07 itself reserves too little and computes
+    with freed memory (filter_func.cpp)."""
     ms = mapped_cycle(2)
     ms.apply_filter(REMESH)
     mesh = ms.mesh(3)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The statistical shape model: against PCA in numpy, its layers, its files as others read them, and its errors."""
+"""The statistical shape model: against PCA in numpy, its layers, its files as others read them, and
+its errors."""
 
 import csv
 import json
@@ -15,7 +16,9 @@ import pytest
 import pyvista
 from documents import (
     MODEL,
+    PROPAGATE,
     REMESH,
+    ROOT,
     add,
     content,
     labels,
@@ -63,7 +66,8 @@ def pca(shapes):
 
 
 def procrustes(shapes, rigid=False):
-    """Generalised Procrustes alignment by scipy's rotations: frame of the first shape, average size."""
+    """Generalised Procrustes alignment by scipy's rotations: frame of the first shape, average
+    size."""
     from scipy.spatial.transform import Rotation
 
     first = shapes[0].mean(0)
@@ -106,7 +110,10 @@ def test_generalisation_and_specificity_as_numpy_has_them(heart):
     returned = project_of(landmarks, faces).apply_filter(
         MODEL, alignment="None", specificity_samples=20000
     )
-    rms = lambda difference: np.sqrt((difference**2).sum(-1).mean(-1))
+
+    def rms(difference):
+        return np.sqrt((difference**2).sum(-1).mean(-1))
+
     for m in (1, 3, 9):
         distances = []
         for left in range(10):
@@ -338,7 +345,7 @@ import pymeshlab
 pymeshlab.load_plugin({str(PLUGIN)!r})
 ms = pymeshlab.MeshSet(verbose=True)
 ms.apply_filter("create_ventricle_phantom", phases=4, voxel_size=4)
-for name in ("compute_spherical_parameterisation_root", "transfer_spherical_parameterisation_to_layers", {REMESH!r}, {MODEL!r}):
+for name in {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}:
     ms.apply_filter(name)
 """
     log = subprocess.run(
@@ -356,7 +363,8 @@ for name in ("compute_spherical_parameterisation_root", "transfer_spherical_para
 
 @pytest.fixture(scope="module")
 def exported(heart, tmp_path_factory):
-    """export(ending): a model of every third heart written to a file: path, returned figures, the aligned shapes."""
+    """export(ending): a model of every third heart written to a file: path, returned figures, the
+    aligned shapes."""
     landmarks, faces = heart[0][::3], heart[1]
     folder = tmp_path_factory.mktemp("model")
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The plugin in MeshLab 2025.07's GUI, checked by what it leaves behind: the project that is saved from there and read by PyMeshLab.
-scripts/check-gui builds what this needs and names it:
+"""The plugin in MeshLab 2025.07's GUI, checked by what it leaves behind: the project that is saved
+from there and read by PyMeshLab. scripts/check-gui builds what this needs and names it:
 
     MESHLAB_GUI    the program         GUI_PLUGIN     the plugin built for it
     GUI_AGENT      libgui_agent.so     GUI_PICTURES   where pictures go
     SPHERE_PROPAGATION_PLUGIN          the plugin for PyMeshLab, which checks
 """
 
+import contextlib
 import os
 import shutil
 import sys
@@ -50,7 +51,8 @@ def plugin():
 
 @pytest.fixture
 def start(tmp_path):
-    """start(file...): MeshLab with these files, in a home that holds the plugin where a user puts it."""
+    """start(file...): MeshLab with these files, in a home that holds the plugin where a user puts
+    it."""
 
     def started(*files):
         home = tmp_path / "home"
@@ -67,7 +69,8 @@ def start(tmp_path):
 
 @pytest.fixture
 def sample():
-    """A copy of the sample project, so that the original stays as it is. Pictures show its path, which is therefore a short one."""
+    """A copy of the sample project, so that the original stays as it is. Pictures show its path,
+    which is therefore a short one."""
     with tempfile.TemporaryDirectory(prefix="sample-") as folder:
         shutil.copytree(SAMPLE, folder, dirs_exist_ok=True)
         yield Path(folder) / "ventricle.mlp"
@@ -115,7 +118,8 @@ def test_every_filter_is_in_its_menus(start, sample):
 
 
 def test_the_main_job(start, sample):
-    """Root, propagation, landmarks, spheres and colours from the menu; the saved project holds them all."""
+    """Root, propagation, landmarks, spheres and colours from the menu; the saved project holds them
+    all."""
     with start(sample) as gui:
         assert labels(gui) == PHASES
         gui.fill_screen()
@@ -259,10 +263,8 @@ def test_a_second_click_while_a_filter_runs(start, sample):
         before = gui.log()
         gui.start()
         for _ in range(5):
-            try:
+            with contextlib.suppress(GuiError):  # the button is not there for a moment
                 gui.start()
-            except GuiError:  # the button is not there for a moment
-                pass
         assert gui.wait_for_end(before) is None
         until(lambda: gui.ask("lists"), "an answer")
         ms, _ = saved(gui, sample.parent / "result.mlp")

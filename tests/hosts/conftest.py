@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Fixtures of the tests with MeshLab 2020.09 itself: meshlabserver and the GUI, with the plugin in a private prefix.
+"""Fixtures of the tests with MeshLab 2020.09 itself: meshlabserver and the GUI, with the plugin in
+a private prefix.
 
     MESHLAB_2020_PREFIX   what scripts/install-plugin --prefix made
     GUI_AGENT             the library built from gui_agent.cpp
@@ -13,13 +14,9 @@ from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [
-    str(HERE),
-    str(HERE.parent / "filters"),
-    str(HERE.parent / "volumes"),
-    str(HERE.parents[1] / "sample_projects"),
-]
+sys.path.insert(1, str(Path(__file__).resolve().parents[1] / "filters"))  # this folder is first
+sys.path.insert(2, str(Path(__file__).resolve().parents[1] / "volumes"))
+sys.path.insert(3, str(Path(__file__).resolve().parents[2] / "sample_projects"))
 
 import gui
 import pymeshlab

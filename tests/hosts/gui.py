@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """MeshLab's GUI, started under Xvfb in a private home and driven from within by gui_agent.cpp.
 
-    with MeshLab(binary, home=tmp_path, files=["a.ply"], agent="build/meshlab-2020.09/tests/libgui_agent.so") as gui:
+    agent = "build/meshlab-2020.09/tests/libgui_agent.so"
+    with MeshLab(binary, home=tmp_path, files=["a.ply"], agent=agent) as gui:
         gui.apply("Spherical parameterise root", Initial_map="Harmonic")
         assert "0 flipped" in gui.log()
         gui.picture("root")
 
-Works with every MeshLab that uses Qt 5 (2020.09, 2025.07). Everything is found as the user finds it, by what is written on it, and
-waited for: nothing depends on the speed of the machine. Needs Xvfb and Mesa's software OpenGL.
+Works with every MeshLab that uses Qt 5 (2020.09, 2025.07). Everything is found as the user finds
+it, by what is written on it, and waited for: nothing depends on the speed of the machine. Needs
+Xvfb and Mesa's software OpenGL.
 """
 
 import json
@@ -18,18 +20,19 @@ import tempfile
 import time
 from pathlib import Path
 
-PATIENCE = int(
-    os.environ.get("GUI_PATIENCE", 300)
-)  # seconds until something is given up; nothing is asserted about time
+# Seconds until something is given up; nothing is asserted about time.
+PATIENCE = int(os.environ.get("GUI_PATIENCE", "300"))
 
 # What keeps the first-run dialogs and the network calls of both versions away.
 SETTINGS = """[General]
 informativeShown=true
 lastTimeMeshLabVersionCheckedOnStart=Fri Jan 1 2100
 dontRemindMeToSendEmail=true
-MeshLab%3A%3ASystem%3A%3AcheckForUpdate="<!DOCTYPE MeshLabSettings>\\n<Param type=\\"RichBool\\" value=\\"false\\" \
+MeshLab%3A%3ASystem%3A%3AcheckForUpdate="<!DOCTYPE MeshLabSettings>\\n\
+<Param type=\\"RichBool\\" value=\\"false\\" \
 name=\\"MeshLab::System::checkForUpdate\\" description=\\"\\" tooltip=\\"\\"/>\\n"
-MeshLab%3A%3ASystem%3A%3AsendAnonymousData="<!DOCTYPE MeshLabSettings>\\n<Param type=\\"RichBool\\" value=\\"false\\" \
+MeshLab%3A%3ASystem%3A%3AsendAnonymousData="<!DOCTYPE MeshLabSettings>\\n\
+<Param type=\\"RichBool\\" value=\\"false\\" \
 name=\\"MeshLab::System::sendAnonymousData\\" description=\\"\\" tooltip=\\"\\"/>\\n"
 """
 
@@ -53,8 +56,10 @@ def until(condition, what, patience=PATIENCE):
 class MeshLab:
     """A running MeshLab.
 
-    binary: meshlab's executable; files: meshes and projects to open; home: a folder of its own for settings and user plugins;
-    agent: the library built from gui_agent.cpp; pictures: where picture() writes; environment: more variables.
+    binary: meshlab's executable; files: meshes and projects to open; home: a folder of its own for
+    settings and user plugins;
+    agent: the library built from gui_agent.cpp; pictures: where picture() writes; environment: more
+    variables.
     """
 
     def __init__(self, binary, home, agent, files=(), pictures=None, environment=None):
@@ -170,7 +175,8 @@ class MeshLab:
             )
 
     def ask(self, do, **arguments):
-        """Sends a command of gui_agent.cpp; returns its answer. Throws GuiError when it says that it could not."""
+        """Sends a command of gui_agent.cpp; returns its answer. Throws GuiError when it says that
+        it could not."""
         try:
             self._socket.sendall(json.dumps({"do": do, **arguments}).encode() + b"\n")
             while b"\n" not in self._received:
@@ -189,7 +195,8 @@ class MeshLab:
         return answer
 
     def widgets(self):
-        """The visible widgets, from top to bottom: list of {class, text, tooltip, enabled, window, ...}."""
+        """The visible widgets, from top to bottom: list of {class, text, tooltip, enabled, window,
+        ...}."""
         return self.ask("widgets")["widgets"]
 
     def menus(self):
@@ -241,7 +248,8 @@ class MeshLab:
         self.ask("click cell", text=label)
 
     def open_filter(self, name):
-        """Chooses a filter in the menu and waits for its dialog, which start(), set() and close_dialog() then mean."""
+        """Chooses a filter in the menu and waits for its dialog, which start(), set() and
+        close_dialog() then mean."""
         self.trigger(name)
         until(lambda: self._has_dialog(name), f"the dialog of {name}")
         self._filter = name
@@ -261,7 +269,8 @@ class MeshLab:
         until(lambda: not self._has_dialog(self._filter), "the dialog to close")
 
     def wait_for_end(self, log_before):
-        """Waits until a filter has ended; returns the text of the message box when it failed, else None.
+        """Waits until a filter has ended; returns the text of the message box when it failed, else
+        None.
 
         log_before: log() before it was started.
         """
@@ -281,7 +290,8 @@ class MeshLab:
         return until(ended, "the filter to end")[0]
 
     def set(self, label, value):
-        """Fills in the field beside a label of the filter's dialog: text, an entry of a choice, or True and False."""
+        """Fills in the field beside a label of the filter's dialog: text, an entry of a choice, or
+        True and False."""
         try:
             self.ask("set", label=label, window=self._filter, value=value)
         except GuiError:  # a check box bears its label itself
@@ -291,9 +301,11 @@ class MeshLab:
             )
 
     def apply(self, name, **fields):
-        """Opens a filter, fills in fields (their labels, with _ for blanks), presses Apply, waits until it has finished.
+        """Opens a filter, fills in fields (their labels, with _ for blanks), presses Apply, waits
+        until it has finished.
 
-        Returns the lines that it added to the log. Throws GuiError with MeshLab's message when the filter failed.
+        Returns the lines that it added to the log. Throws GuiError with MeshLab's message when the
+        filter failed.
         """
         self.open_filter(name)
         for label, value in fields.items():
@@ -318,12 +330,14 @@ class MeshLab:
         until(lambda: self.message() is None, "the message box to close")
 
     def save_project(self, path):
-        """File, Save Project, with all its files. Where MeshLab asks (2020.09), new layers get "layer 0.ply", ... beside it."""
+        """File, Save Project, with all its files. Where MeshLab asks (2020.09), new layers get
+        "layer 0.ply", ... beside it."""
         path, new, before = Path(path), 0, len(self.log())
         title = next(w["text"] for w in self.widgets() if w["class"] == "MainWindow")
         self.trigger(next(e["text"] for e in self.menus() if e["text"].startswith("Save Project")))
 
-        def all_written():  # 2020.09 writes the project first, then its layers, each with a line in the log
+        # 2020.09 writes the project first, then its layers, each with a line in the log
+        def all_written():
             saved = {
                 line.split(" in ")[0]
                 for line in self.log()[before:].splitlines()
@@ -349,7 +363,10 @@ class MeshLab:
             else:
                 self.ask("choose file", file=str(path.parent / f"layer {new}.ply"))
                 new += 1
-            until(lambda: self._dialog() != dialog, f"the dialog {dialog['text']} to close")
+            until(
+                lambda shown=dialog: self._dialog() != shown,
+                f"the dialog {dialog['text']} to close",
+            )
 
     def _dialog(self):
         """The file dialog or save mask dialog that is open."""

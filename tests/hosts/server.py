@@ -40,11 +40,13 @@ class Server:
             text=True,
             errors="replace",
             timeout=1800,
+            check=False,
         )
         return Run(ended.returncode, ended.stdout)
 
     def job(self, files, folder, script=SCRIPTS / "main_job.mlx"):
-        """The whole job on these meshes; everything is written to `folder`. Returns (Run, the project's path)."""
+        """The whole job on these meshes; everything is written to `folder`. Returns (Run, the
+        project's path)."""
         copies = []
         for file in files:  # the project is written beside the meshes
             copies.append(folder / file.name)
@@ -69,15 +71,16 @@ def write_project(path, layers):
         numbers = [repr(float(x)) for x in (identity if matrix is None else matrix)]
         rows = "\n".join(" ".join(numbers[4 * i : 4 * i + 4]) + " " for i in range(4))
         text.append(
-            f'  <MLMesh filename={quoteattr(str(file))} label={quoteattr(Path(file).name)} visible="{int(visible)}">\n'
-            f"   <MLMatrix44>\n{rows}\n</MLMatrix44>\n  </MLMesh>\n"
+            f"  <MLMesh filename={quoteattr(str(file))} label={quoteattr(Path(file).name)} "
+            f'visible="{int(visible)}">\n   <MLMatrix44>\n{rows}\n</MLMatrix44>\n  </MLMesh>\n'
         )
     Path(path).write_text("".join(text) + " </MeshGroup>\n <RasterGroup/>\n</MeshLabProject>\n")
     return Path(path)
 
 
 def write_script(path, *filters, base=SCRIPTS / "main_job.mlx"):
-    """A filter script made of some filters of `base`. filters: menu name, or (menu name, {parameter: value})."""
+    """A filter script made of some filters of `base`. filters: menu name, or (menu name,
+    {parameter: value})."""
     known = {f.get("name"): f for f in xml.parse(base).getroot().findall("filter")}
     root = xml.Element("FilterScript")
     for f in filters:

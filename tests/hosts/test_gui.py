@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""MeshLab 2020.09's GUI: what a user meets. Pictures are kept in build/test-results/screenshots/."""
+"""MeshLab 2020.09's GUI: what a user meets. Pictures are kept in
+build/test-results/screenshots/."""
 
 import shutil
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""scripts/install-plugin: what it puts where, again and again, and takes away. Never in the system's folders."""
+"""scripts/install-plugin: what it puts where, again and again, and takes away. Never in the
+system's folders."""
 
 import os
 import subprocess
@@ -21,6 +22,7 @@ def install(tmp_path):
             text=True,
             capture_output=True,
             env={**os.environ, "XDG_DATA_HOME": str(tmp_path / "data")},
+            check=False,
         )
         return ended.returncode, ended.stderr
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The whole job in meshlabserver 2020.09: what it saves is judged by the yardstick and by PyMeshLab."""
+"""The whole job in meshlabserver 2020.09: what it saves is judged by the yardstick and by
+PyMeshLab."""
 
 import gzip
 
@@ -120,7 +121,8 @@ def test_a_saved_project_goes_on_in_pymeshlab_and_comes_back(server, surfaces, t
 
 
 def test_from_a_label_volume_to_the_model(server, tmp_path):
-    """Nothing is loaded: the script reads labels.nii.gz and writes model.npz; PyMeshLab makes the same of them."""
+    """Nothing is loaded: the script reads labels.nii.gz and writes model.npz; PyMeshLab makes the
+    same of them."""
     x = np.stack(np.meshgrid(*[np.linspace(-1.3, 1.3, n) for n in (30, 26, 10)], indexing="ij"), -1)
     bend = 1 + 0.25 * x[..., 0] + 0.15 * x[..., 1] - 0.2 * x[..., 2]
     eggs = [
@@ -151,7 +153,8 @@ def test_from_a_label_volume_to_the_model(server, tmp_path):
 
 
 def write_ply(path, vertices, texture, faces, scalar):
-    """A binary PLY with coordinates of this type, and float texture coordinates as every host writes them."""
+    """A binary PLY with coordinates of this type, and float texture coordinates as every host
+    writes them."""
     kind = {"float": "<f4", "double": "<f8"}[scalar]
     properties = [
         *((scalar, kind, name) for name in "xyz"),
@@ -207,7 +210,8 @@ def test_hidden_and_transformed_layers(server, measure, surfaces, tmp_path):
 
 
 def failed(run, *words):
-    """The script was refused, as meshlabserver does it, with a text for the user; nothing crashed."""
+    """The script was refused, as meshlabserver does it, with a text for the user; nothing
+    crashed."""
     assert run.code == 255, f"exit code {run.code}: {run.output[-2000:]}"
     for word in words:
         assert word in run.output

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The package of the checkout, not one that happens to be installed; a small cycle that several tests share."""
+"""The package of the checkout, not one that happens to be installed; a small cycle that several
+tests share."""
 
 import sys
 from pathlib import Path
@@ -31,7 +32,8 @@ def egg_file(tmp_path):
 
 @pytest.fixture
 def run_python():
-    """Runs Python code in a process of its own, with the package on its path: run_python(code, PLUGIN="..."), a CompletedProcess."""
+    """Runs Python code in a process of its own, with the package on its path: run_python(code,
+    PLUGIN="..."), a CompletedProcess."""
     import os
     import subprocess
 
@@ -42,6 +44,7 @@ def run_python():
             capture_output=True,
             text=True,
             timeout=300,
+            check=False,
             env={**os.environ, "PYTHONPATH": paths, **environment},
         )
 

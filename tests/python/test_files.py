@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Files: what is written comes back, in which order meshes are read, what an output folder keeps and lets go of."""
+"""Files: what is written comes back, in which order meshes are read, what an output folder keeps
+and lets go of."""
 
 import xml.etree.ElementTree as xml
 from pathlib import Path
@@ -69,8 +70,9 @@ def test_other_texture_coordinates_are_no_map(cycle, tmp_path):
         (b"", "no PLY header"),
         (b"ply\nformat ascii 1.0\nelement vertex 3\n", "no PLY header"),
         (
-            b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-            b"property list uchar int vertex_indices\nend_header\n0 0 0\n",
+            b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            b"property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+            b"end_header\n0 0 0\n",
             "EOF",
         ),
     ],

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The filters as functions on arrays: the same parameters, the same results, refusals that name what is wrong."""
+"""The filters as functions on arrays: the same parameters, the same results, refusals that name
+what is wrong."""
 
 import inspect
 
@@ -76,7 +77,8 @@ def test_parameters_are_the_filters(function):
 
 @pytest.mark.parametrize("parameter", CHOICES)
 def test_choices_are_the_filters(parameter, cycle, egg_file):
-    """Every choice is accepted, and the filter knows no more: the number behind the last one is refused."""
+    """Every choice is accepted, and the filter knows no more: the number behind the last one is
+    refused."""
     call = {
         "initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
         "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
@@ -106,7 +108,8 @@ def test_the_job_is_correspondence(cycle):
 
 
 def test_the_functions_are_the_filters(cycle):
-    """Layer by layer the same bits as a project in which the three filters run one after another."""
+    """Layer by layer the same bits as a project in which the three filters run one after
+    another."""
     meshes = pymeshlab.MeshSet()
     meshes.apply_filter(filters.PHANTOM, phases=6, voxel_size=4.0)
     meshes.apply_filter(filters.ROOT)

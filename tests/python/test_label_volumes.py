@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Label volumes in Python and on the command line: surfaces of all phases, what deserves a look, what is missing."""
+"""Label volumes in Python and on the command line: surfaces of all phases, what deserves a look,
+what is missing."""
 
 import csv
 import gzip
@@ -207,7 +208,8 @@ def test_options_reach_the_import(volume, tmp_path, capsys):
 
 
 def test_one_file_per_phase(tmp_path, capsys):
-    """In the order of their numbers, whether files or their folder are given; a folder's meshes come before its volumes."""
+    """In the order of their numbers, whether files or their folder are given; a folder's meshes
+    come before its volumes."""
     folder = tmp_path / "scan"
     folder.mkdir()
     for t in range(3):
@@ -279,7 +281,9 @@ def test_a_missing_library_of_itk_is_named(run_python, tmp_path):
     assert b"libITKIOMeta-" in code
     (tmp_path / plugin.VOLUME_LIBRARY).write_bytes(code.replace(b"libITKIOMeta-", b"libITKIOBeta-"))
     found = run_python(
-        "import sphere_propagation as sp\ntry: sp.read_label_volume('x.nii')\nexcept sp.PluginError as error: print(error)",
+        "import sphere_propagation as sp\n"
+        "try: sp.read_label_volume('x.nii')\n"
+        "except sp.PluginError as error: print(error)",
         SPHERE_PROPAGATION_PLUGIN=str(tmp_path / plugin.LIBRARY),
     )
     assert found.returncode == 0, found.stderr

@@ -60,7 +60,8 @@ def test_shapes_of_the_model(model):
 
 
 def test_it_is_the_filter(cycle, model, tmp_path):
-    """The same bits as a project in which the filter runs on the layers, and as the file that it writes."""
+    """The same bits as a project in which the filter runs on the layers, and as the file that it
+    writes."""
     meshes = pymeshlab.MeshSet()
     for points in cycle.landmarks:
         meshes.add_mesh(pymeshlab.Mesh(points, cycle.landmark_faces))

@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""import sphere_propagation makes PyMeshLab know the filters, whoever came first, and says what to do where it cannot."""
+"""import sphere_propagation makes PyMeshLab know the filters, whoever came first, and says what to
+do where it cannot."""
 
 import pytest
 from sphere_propagation import errors, plugin
 
-MAP = "m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); m.apply_filter('compute_spherical_parameterisation_root')"
+MAP = (
+    "m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); "
+    "m.apply_filter('compute_spherical_parameterisation_root')"
+)
 ORDERS = {
     "package alone": f"import sphere_propagation, pymeshlab; m = pymeshlab.MeshSet(); {MAP}",
     "package first": f"import sphere_propagation; import pymeshlab; m = pymeshlab.MeshSet(); {MAP}",
-    "PyMeshLab and a MeshSet first": f"import pymeshlab; m = pymeshlab.MeshSet(); import sphere_propagation; {MAP}",
-    "loaded by hand before": "import os, pymeshlab; [pymeshlab.load_plugin(os.environ[name]) for name in ('LIBRARY', 'VOLUMES')]; "
-    "n = pymeshlab.plugin_number(); "
-    "import sphere_propagation; m = pymeshlab.MeshSet(); assert pymeshlab.plugin_number() == n; "
-    + MAP,
-    "imported twice": "import sphere_propagation, importlib, pymeshlab; n = pymeshlab.plugin_number(); "
-    "importlib.reload(sphere_propagation.plugin); importlib.reload(sphere_propagation); "
-    "assert pymeshlab.plugin_number() == n; m = pymeshlab.MeshSet(); " + MAP,
+    "PyMeshLab and a MeshSet first": "import pymeshlab; m = pymeshlab.MeshSet(); "
+    f"import sphere_propagation; {MAP}",
+    "loaded by hand before": "import os, pymeshlab\n"
+    "for name in ('LIBRARY', 'VOLUMES'): pymeshlab.load_plugin(os.environ[name])\n"
+    "n = pymeshlab.plugin_number(); import sphere_propagation; m = pymeshlab.MeshSet(); "
+    "assert pymeshlab.plugin_number() == n; " + MAP,
+    "imported twice": "import sphere_propagation, importlib, pymeshlab; "
+    "n = pymeshlab.plugin_number(); importlib.reload(sphere_propagation.plugin); "
+    "importlib.reload(sphere_propagation); assert pymeshlab.plugin_number() == n; "
+    "m = pymeshlab.MeshSet(); " + MAP,
     "in a child process": "import multiprocessing as mp, sphere_propagation as sp\n"
     "if __name__ == '__main__':\n"
     "    for way in ('fork', 'spawn'):\n"
@@ -72,7 +78,8 @@ def test_what_does_not_fit_is_said(what, run_python):
     breaking, words = BROKEN[what]
     found = run_python(
         breaking + "\ntry:\n    import sphere_propagation\n"
-        "except ImportError as error:\n    print(type(error).__name__, error)\nelse:\n    print('imported')"
+        "except ImportError as error:\n    print(type(error).__name__, error)\n"
+        "else:\n    print('imported')"
     )
     assert found.returncode == 0, found.stderr
     assert found.stdout.startswith("PluginError")

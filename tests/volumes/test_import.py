@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The filter "Import label volume as layers": formats, places in space, parameters, real hearts, bad files."""
+"""The filter "Import label volume as layers": formats, places in space, parameters, real hearts,
+bad files."""
 
 import gzip
 import resource
@@ -25,9 +26,9 @@ def imported(path, **parameters):
     return ms, ms.apply_filter(IMPORT, file_name=str(path), **parameters)
 
 
-def written(folder, name, content):
+def written(folder, name, data):
     path = folder / name
-    path.write_bytes(content)
+    path.write_bytes(data)
     return path
 
 
@@ -97,7 +98,7 @@ def test_a_second_run_replaces_the_layers(tmp_path):
     assert [m.label() for m in ms] == ["egg label 1", "egg label 2"]
 
 
-# ---------------------------------------------------------------- imports into one project, one after another
+# ------------------------------------------------ imports into one project, one after another
 
 
 def labels_of(ms):
@@ -109,12 +110,12 @@ def phases_of(count, shift=0):
     return files.nifti(np.stack([np.roll(files.egg(), t + shift, 0) for t in range(count)], -1))
 
 
-def patients(folder, content_a, content_b, name="seg.nii"):
+def patients(folder, data_a, data_b, name="seg.nii"):
     """Two files of one name: patient a's and patient b's."""
     paths = []
-    for patient, content in (("a", content_a), ("b", content_b)):
+    for patient, data in (("a", data_a), ("b", data_b)):
         (folder / patient).mkdir()
-        paths.append(written(folder / patient, name, content))
+        paths.append(written(folder / patient, name, data))
     return paths
 
 
@@ -219,7 +220,8 @@ def test_files_that_a_series_no_longer_has_are_removed(tmp_path):
 
 
 def test_layers_of_an_unknown_file_are_replaced(tmp_path):
-    """Files do not keep where a layer came from; layers loaded again are taken for the same import's."""
+    """Files do not keep where a layer came from; layers loaded again are taken for the same
+    import's."""
     path = written(tmp_path, "egg.nii", files.nifti(files.egg()))
     ms, _ = imported(path)
     ms.save_current_mesh(str(tmp_path / "egg label 1.ply"))
@@ -367,11 +369,11 @@ def test_scaled_voxels(tmp_path, type_):
 
 def test_a_series_of_compressed_and_plain_files(tmp_path):
     for number in (1, 2, 3):
-        content = files.nifti(np.roll(files.egg(), number // 2, 0))
+        data = files.nifti(np.roll(files.egg(), number // 2, 0))
         written(
             tmp_path,
             f"t{number}.nii" + ".gz" * (number == 2),
-            gzip.compress(content) if number == 2 else content,
+            gzip.compress(data) if number == 2 else data,
         )
     for name in ("t1.nii", "t2.nii.gz"):
         assert [m.label() for m in imported(tmp_path / name, file_series=True)[0]] == [
@@ -391,7 +393,8 @@ def test_a_series_of_compressed_and_plain_files(tmp_path):
 
 
 def refused(path, *words, **parameters):
-    """The filter throws, its text has these words, the document stays as it was, memory does not grow by much."""
+    """The filter throws, its text has these words, the document stays as it was, memory does not
+    grow by much."""
     ms = pymeshlab.MeshSet()
     failed.append(ms)
     ms.create_cube()

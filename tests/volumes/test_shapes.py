@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Labels that no segmentation should have, and some have: every one comes out as a sphere, where it lies."""
+"""Labels that no segmentation should have, and some have: every one comes out as a sphere, where it
+lies."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Writes label volumes in the formats that are read, and reads NIfTI, by their specifications, without a library."""
+"""Writes label volumes in the formats that are read, and reads NIfTI, by their specifications,
+without a library."""
 
 import gzip
 import struct
@@ -43,31 +44,37 @@ def code(array):
     return array.dtype.str[1:]
 
 
+IDENTITY = np.eye(4)
+
+
 def data(array):
     return np.asarray(array).tobytes(order="F")
 
 
 def nifti(
-    array, matrix=np.eye(4), size=None, sform=1, qform=None, pixdim=None, slope=0.0, big=False
+    array, matrix=IDENTITY, size=None, sform=1, qform=None, pixdim=None, slope=0.0, big=False
 ):
-    """The bytes of a NIfTI-1 file. qform: (b, c, d, offset, qfac); size: what the header claims instead of the truth."""
+    """The bytes of a NIfTI-1 file. qform: (b, c, d, offset, qfac); size: what the header claims
+    instead of the truth."""
     order = ">" if big else "<"
     size = list(array.shape if size is None else size)
-    head = bytearray(352)
-    struct.pack_into(order + "i", head, 0, 348)
-    struct.pack_into(order + "8h", head, 40, len(size), *(size + [1] * (7 - len(size))))
-    struct.pack_into(order + "hh", head, 70, NIFTI_TYPES[code(array)], 8 * array.itemsize)
+    header = bytearray(352)
+    struct.pack_into(order + "i", header, 0, 348)
+    struct.pack_into(order + "8h", header, 40, len(size), *(size + [1] * (7 - len(size))))
+    struct.pack_into(order + "hh", header, 70, NIFTI_TYPES[code(array)], 8 * array.itemsize)
     spacing = list(np.linalg.norm(np.asarray(matrix)[:3, :3], axis=0) if pixdim is None else pixdim)
-    struct.pack_into(order + "8f", head, 76, 1 if qform is None else qform[4], *spacing, 1, 1, 1, 1)
-    struct.pack_into(order + "3f", head, 108, 352, slope, 0)
-    head[123] = 2
-    struct.pack_into(order + "hh", head, 252, 0 if qform is None else 1, sform)
+    struct.pack_into(
+        order + "8f", header, 76, 1 if qform is None else qform[4], *spacing, 1, 1, 1, 1
+    )
+    struct.pack_into(order + "3f", header, 108, 352, slope, 0)
+    header[123] = 2
+    struct.pack_into(order + "hh", header, 252, 0 if qform is None else 1, sform)
     if qform is not None:
-        struct.pack_into(order + "6f", head, 256, *qform[:3], *qform[3])
+        struct.pack_into(order + "6f", header, 256, *qform[:3], *qform[3])
     if sform:
-        struct.pack_into(order + "12f", head, 280, *np.asarray(matrix, float)[:3].ravel())
-    head[344:348] = b"n+1\0"
-    return bytes(head) + data(array.astype(array.dtype.newbyteorder(order)))
+        struct.pack_into(order + "12f", header, 280, *np.asarray(matrix, float)[:3].ravel())
+    header[344:348] = b"n+1\0"
+    return bytes(header) + data(array.astype(array.dtype.newbyteorder(order)))
 
 
 def read_nifti(path):
@@ -86,32 +93,37 @@ def read_nifti(path):
     ).reshape(shape, order="F"), matrix
 
 
-def meta(array, matrix=np.eye(4), compressed=False, local="LOCAL", size=None):
-    """The bytes of a MetaImage file (of its head alone where the voxels are in another file); matrix: to LPS."""
+def meta(array, matrix=IDENTITY, compressed=False, local="LOCAL", size=None):
+    """The bytes of a MetaImage file (of its header alone where the voxels are in another file);
+    matrix: to LPS."""
     size = array.shape if size is None else size
     n, spacing = len(size), np.linalg.norm(matrix[:3, :3], axis=0)
     direction, offset = np.eye(n), np.zeros(n)
     direction[:3, :3], offset[:3] = (matrix[:3, :3] / spacing).T, matrix[:3, 3]
     voxels = zlib.compress(data(array)) if compressed else data(array)
     text = (
-        f"ObjectType = Image\nNDims = {n}\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = {compressed}\n"
-        f"CompressedDataSize = {len(voxels)}\n"
-        f"TransformMatrix = {' '.join(map(repr, direction.ravel().tolist()))}\nOffset = {' '.join(map(repr, offset.tolist()))}\n"
-        f"ElementSpacing = {' '.join(map(repr, spacing.tolist() + [1.0] * (n - 3)))}\nDimSize = {' '.join(map(str, size))}\n"
+        f"ObjectType = Image\nNDims = {n}\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+        f"CompressedData = {compressed}\nCompressedDataSize = {len(voxels)}\n"
+        f"TransformMatrix = {' '.join(map(repr, direction.ravel().tolist()))}\n"
+        f"Offset = {' '.join(map(repr, offset.tolist()))}\n"
+        f"ElementSpacing = {' '.join(map(repr, spacing.tolist() + [1.0] * (n - 3)))}\n"
+        f"DimSize = {' '.join(map(str, size))}\n"
         f"ElementType = {META_TYPES[code(array)]}\nElementDataFile = {local}\n"
     ).encode()
     return text + (voxels if local == "LOCAL" else b"")
 
 
-def nrrd(array, matrix=np.eye(4), encoding="raw", size=None, kinds=None):
+def nrrd(array, matrix=IDENTITY, encoding="raw", size=None, kinds=None):
     """The bytes of a NRRD file; matrix: to LPS."""
     size = array.shape if size is None else size
     kinds = kinds or ["domain"] * 3 + ["list"] * (len(size) - 3)
     vectors = iter(f"({','.join(map(repr, column.tolist()))})" for column in matrix[:3, :3].T)
     directions = " ".join(next(vectors) if kind == "domain" else "none" for kind in kinds)
     text = (
-        f"NRRD0004\ntype: {NRRD_TYPES[code(array)]}\ndimension: {len(size)}\nspace: left-posterior-superior\nsizes: {' '.join(map(str, size))}\n"
-        f"space directions: {directions}\nkinds: {' '.join(kinds)}\nendian: little\nencoding: {encoding}\n"
+        f"NRRD0004\ntype: {NRRD_TYPES[code(array)]}\ndimension: {len(size)}\n"
+        f"space: left-posterior-superior\nsizes: {' '.join(map(str, size))}\n"
+        f"space directions: {directions}\nkinds: {' '.join(kinds)}\n"
+        f"endian: little\nencoding: {encoding}\n"
         f"space origin: ({','.join(map(repr, matrix[:3, 3].tolist()))})\n\n"
     ).encode()
     return text + (gzip.compress(data(array)) if encoding == "gzip" else data(array))

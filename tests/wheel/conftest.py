@@ -34,7 +34,8 @@ class Environment:
         self.folder.mkdir()
 
     def run(self, program, *arguments, code=0):
-        """Runs a program of the environment there; its standard output, or, where it is to fail, what it says of errors."""
+        """Runs a program of the environment there; its standard output, or, where it is to fail,
+        what it says of errors."""
         clean = {
             name: value
             for name, value in os.environ.items()
@@ -47,6 +48,7 @@ class Environment:
             capture_output=True,
             text=True,
             timeout=300,
+            check=False,
         )
         assert ended.returncode == code, ended.stdout + ended.stderr
         return ended.stderr if code else ended.stdout

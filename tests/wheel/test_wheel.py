@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The wheel: what is in it and where it may be installed; and in a fresh environment the import, the main job, the command."""
+"""The wheel: what is in it and where it may be installed; and in a fresh environment the import,
+the main job, the command."""
 
 import re
 import shutil
@@ -75,9 +76,11 @@ def test_the_plugin_comes_with_the_package(environment):
     said = environment.run(
         "python",
         "-c",
-        "import pymeshlab, sphere_propagation as sp; from sphere_propagation import plugin; "
-        "m = pymeshlab.MeshSet(); m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4); "
-        "m.apply_filter('compute_spherical_parameterisation_root'); print(plugin.loaded(), sp.__version__)",
+        "import pymeshlab, sphere_propagation as sp; from sphere_propagation import plugin\n"
+        "m = pymeshlab.MeshSet()\n"
+        "m.apply_filter('create_ventricle_phantom', phases=1, voxel_size=4)\n"
+        "m.apply_filter('compute_spherical_parameterisation_root')\n"
+        "print(plugin.loaded(), sp.__version__)",
     )
     path, version = said.split()
     assert (
