@@ -3,7 +3,8 @@
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build core plugin volumes gui benchmarks python pymeshlab
-#                                  pictures lint meshlab (2020.09, and what its GUI needs without a display)
+#                                  pictures format lint meshlab (2020.09, and what its GUI needs without a
+#                                  display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
 #   require_python [PURPOSE]       sets PYTHON, the interpreter of an environment with requirements.txt (or
@@ -64,6 +65,7 @@ packages_for() {
       pymeshlab)  echo libgl1 libopengl0 ;;
       pictures)   echo libegl1 ;;
       meshlab)    echo meshlab xvfb xauth libgl1-mesa-dri ;;
+      format)     echo clang-format ;;
       lint)       echo clang-format clang-tidy ;;
       *)          die "packages_for: no purpose '$purpose'" ;;
     esac
