@@ -75,13 +75,13 @@ Options optionsOf(const std::vector<std::string>& arguments) {
   return options;
 }
 
-PropagationTree treeOf(const Options& options, const std::vector<ClosedSurface>& surfaces) {
-  const int layers = static_cast<int>(surfaces.size());
+PropagationTree treeOf(const Options& options, const Sequence& sequence) {
+  const int layers = sequence.size();
   if (options.order == "time") return timeOrder(layers, options.root);
   if (options.order == "star") return star(layers, options.root);
   if (options.order == "similarity") {
     ThreadPool pool(options.parameters.threads);
-    return similarityTree(surfaces, options.root, pool).tree;
+    return similarityTree(sequence, options.root, pool).tree;
   }
   return cyclicTimeOrder(layers, options.root);
 }
@@ -123,7 +123,8 @@ void run(const Options& options) {
   if (options.order == "cyclic")
     parameters.closing = closingArc(static_cast<int>(surfaces.size()), options.root);
   const Cost ofPropagation(options.repeat, [&] {
-    made = propagate(surfaces, rootMap.front().map, treeOf(options, surfaces), parameters);
+    const Sequence sequence(surfaces);
+    made = propagate(sequence, rootMap.front().map, treeOf(options, sequence), parameters);
   });
   std::vector<Remeshed> remeshed;
   const auto layers = static_cast<int>(surfaces.size());
@@ -132,22 +133,22 @@ void run(const Options& options) {
     const IcosphereRemesher remesher(10);
     remeshed = pool.makeEach(layers, [&](int i) {
       const auto k = static_cast<size_t>(i);
-      return remesher.remesh(surfaces[k], made.layers[k].map);
+      return remesher.remesh(made.layers[k].map());
     });
   });
   const IcosphereRemesher remesher(10);
   const Cost ofDistances(options.repeat, [&] {
     pool.forEach(layers, [&](int i) {
       const auto k = static_cast<size_t>(i);
-      remesher.distance(remeshed[k], surfaces[k], made.layers[k].map);
+      remesher.distance(remeshed[k], made.layers[k].map());
     });
   });
 
   long flips = 0;
   double residual = 0;
   for (size_t i = 0; i < surfaces.size(); ++i) {
-    flips += certify(surfaces[i].faces(), made.layers[i].map.positions()).flippedFaces;
-    residual += made.layers[i].residualMean / static_cast<double>(surfaces.size() - 1);
+    flips += certify(surfaces[i].faces(), made.layers[i].map().positions()).flippedFaces;
+    residual += made.layers[i].transferred.residual.mean / static_cast<double>(surfaces.size() - 1);
   }
   std::printf("layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld residual=%.4f u=%.5f",
               surfaces.size(), root.vertexCount(), vertices / static_cast<double>(surfaces.size()),

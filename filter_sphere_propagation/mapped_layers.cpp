@@ -12,7 +12,7 @@ namespace {
 /// What a layer was read as, and what the log is to say about it.
 struct Reading {
   std::optional<MeshSurface> mesh;
-  std::optional<SphereMap> map;
+  std::optional<MappedSurface> map;
   std::string note;
 };
 

@@ -18,7 +18,7 @@ std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const ho
 struct MappedLayer {
   host::Layer layer;
   MeshSurface mesh;
-  SphereMap map;
+  MappedSurface map;
 };
 
 /// All visible surfaces with a valid map, in layer order; those that carry something else are named

@@ -11,10 +11,10 @@
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "vcg_ext/mesh/surface_geometry.h"
-#include "vcg_ext/propagation/motion/motion_propagation.h"
+#include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/sequence/mirroring.h"
-#include "vcg_ext/sequence/similarity_tree.h"
+#include "vcg_ext/sequence/propagation_order.h"
 #include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
@@ -23,7 +23,7 @@ namespace {
 /// Layers whose sizes differ more than this are named in the log.
 constexpr double differentSize = 3;
 
-enum class Order { Time, CyclicTime, SimilarityTree, Star, Given };
+using Order = PropagationOrder::Kind;
 
 /// "1, 2; -1 2": whole numbers between commas, semicolons and blanks.
 std::vector<int> parseNumbers(const std::string& text) {
@@ -50,10 +50,16 @@ std::vector<int> parseNumbers(const std::string& text) {
 }
 
 /// The layers that take part, and which of them is the root.
-struct Sequence {
+struct Participants {
   std::vector<host::Layer> layers;
   std::vector<MeshSurface> meshes;
   int root = -1;
+
+  std::vector<ClosedSurface> surfaces() const {
+    std::vector<ClosedSurface> list;
+    for (const MeshSurface& mesh : meshes) list.push_back(mesh.surface);
+    return list;
+  }
 
   int indexOf(int layerId) const {
     for (size_t i = 0; i < layers.size(); ++i)
@@ -62,24 +68,34 @@ struct Sequence {
   }
 };
 
-/// The tree from the user's list of layer numbers.
-PropagationTree givenTree(const Sequence& sequence, const std::string& text) {
+/// The user's list of layer numbers as places among the participants.
+std::vector<int> placesOfParents(const Participants& participants, const std::string& text) {
   std::vector<int> parents = parseNumbers(text);
-  if (parents.size() != sequence.layers.size())
+  const std::vector<host::Layer>& layers = participants.layers;
+  if (parents.size() != layers.size())
     throw ParameterError(
         "parents: " + counted(static_cast<long>(parents.size()), "number", "numbers") + " for " +
-        counted(static_cast<long>(sequence.layers.size()), "surface layer", "surface layers") +
+        counted(static_cast<long>(layers.size()), "surface layer", "surface layers") +
         ". Give one layer number per visible surface layer, in layer order, -1 for the root.");
   for (size_t i = 0; i < parents.size(); ++i) {
     if (parents[i] < 0) continue;
-    const int index = sequence.indexOf(parents[i]);
+    const int index = participants.indexOf(parents[i]);
     if (index < 0)
-      throw ParameterError("parents: layer \"" + sequence.layers[i].label() +
+      throw ParameterError("parents: layer \"" + layers[i].label() +
                            "\" is to get its map from layer " + std::to_string(parents[i]) +
                            ", which is no visible surface layer.");
     parents[i] = index;
   }
-  return givenOrder(parents);
+  // Where there is no root, or there are several, the core says so.
+  const auto root = static_cast<size_t>(
+      std::find_if(parents.begin(), parents.end(), [](int parent) { return parent < 0; }) -
+      parents.begin());
+  const auto chosen = static_cast<size_t>(participants.root);
+  if (root < parents.size() && parents[chosen] >= 0)
+    throw ParameterError("parents: the root (-1) is layer \"" + layers[root].label() +
+                         "\", but root_layer is \"" + layers[chosen].label() +
+                         "\". Make them the same.");
+  return parents;
 }
 
 class PropagationFilter : public host::Filter {
@@ -176,37 +192,37 @@ class PropagationFilter : public host::Filter {
   }
 
   host::Outputs run(host::Task& task) const override {
-    Sequence sequence = readSequence(task);
-    const MeshSurface& rootMesh = sequence.meshes[static_cast<size_t>(sequence.root)];
-    const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
-    const std::optional<SphereMap> rootMap = rootLayer.map(rootMesh);
-    if (!rootMap) throw MapError(0, -1, whyNoMap(rootLayer, rootMesh));
-    std::vector<ClosedSurface> surfaces;
-    surfaces.reserve(sequence.meshes.size());
-    for (const MeshSurface& mesh : sequence.meshes) surfaces.push_back(mesh.surface);
-    if (const std::string note = LargestLayer(sequence.layers).note(rootLayer.id()); !note.empty())
-      task.log("Note: the root is layer \"" + rootLayer.label() + "\"; " + note +
-               ". For a heart cycle, end-diastole is the better root.");
-    if (static_cast<Order>(task.values.choice("order")) != Order::Given &&
-        !task.values.text("parents").empty())
+    const PropagationParameters asked = readParameters(task.values);
+    Participants participants = readParticipants(task);
+    const MappedSurface rootMap = readRoot(participants);
+    PropagationOrder order{static_cast<Order>(task.values.choice("order"))};
+    if (order.kind == Order::Given)
+      order.parents = placesOfParents(participants, task.values.text("parents"));
+    else if (!task.values.text("parents").empty())
       task.log("Warning: parents is not looked at, since it belongs to the order Given.");
-    PropagationTree tree = makeTree(task, sequence, surfaces);
-    Eigen::VectorXd mirrored = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(surfaces.size()));
-    if (task.values.flag("mirror_layers")) mirrorLayers(task, sequence, surfaces, tree, mirrored);
 
-    PropagationParameters parameters;
-    parameters.method = task.values.choice("method") == 1 ? PropagationMethod::AsPublished
-                                                          : PropagationMethod::Robust;
-    parameters.areaRestoration = task.values.real("area_restoration");
-    parameters.published.anisotropicScaling = task.values.flag("anisotropic_scaling");
-    parameters.published.icpIterations = task.values.integer("icp_iterations");
-    parameters.published.smoothingSweeps = task.values.integer("smoothing_sweeps");
-    parameters.threads = task.values.integer("threads");
-    const auto order = static_cast<Order>(task.values.choice("order"));
-    if (order == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
-    logShorterTree(task, sequence, tree);
+    Sequence sequence(participants.surfaces());
+    PropagationTree tree;
+    std::vector<std::optional<double>> mirrorPlanes(participants.layers.size());
+    {
+      ThreadPool pool(asked.threads);
+      if (task.values.flag("mirror_layers")) {
+        ReflectedSequence reflected = reflectMirrorImages(sequence, order, participants.root, pool);
+        sequence = std::move(reflected.sequence);
+        tree = std::move(reflected.tree);
+        mirrorPlanes = std::move(reflected.planes);
+        for (size_t i = 0; i < mirrorPlanes.size(); ++i)
+          participants.meshes[i].surface = sequence.surface(static_cast<int>(i));
+      } else {
+        tree = makeTree(order, sequence, participants.root, pool);
+      }
+    }
+    PropagationParameters parameters = asked;
+    if (order.kind == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
+    logNotes(task, participants, tree);
     const Propagation propagated =
-        propagate(surfaces, *rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+        propagate(sequence, rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+    const Eigen::VectorXd mirrored = mirror(task, participants, mirrorPlanes);
     if (propagated.learnt)
       task.log(
           "Learnt from the sequence, variances from layer to layer in units of half the root's "
@@ -217,11 +233,11 @@ class PropagationFilter : public host::Filter {
     if (parameters.closing && parameters.method == PropagationMethod::Robust)
       task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) +
                " of " + counted(tree.size() - 1, "layer", "layers"));
-    host::Outputs outputs = write(task, sequence, propagated.layers);
+    host::Outputs outputs = write(task, participants, propagated.layers);
     outputs["mirrored"] = mirrored;
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
-      const auto label = [&](int i) { return sequence.layers[static_cast<size_t>(i)].label(); };
+      const auto label = [&](int i) { return participants.layers[static_cast<size_t>(i)].label(); };
       task.log("Where the two branches of the cycle meet, from " + label(parameters.closing->from) +
                " to " + label(parameters.closing->to) + ", they differ by " +
                shortNumber(difference.distance.mean) + " on the surface (95 % below " +
@@ -234,15 +250,41 @@ class PropagationFilter : public host::Filter {
   }
 
  private:
-  /// Says which other root would leave the farthest layer at most three quarters of the arcs away.
-  static void logShorterTree(host::Task& task, const Sequence& sequence,
-                             const PropagationTree& tree) {
+  static PropagationParameters readParameters(const host::ParameterValues& values) {
+    PropagationParameters parameters;
+    parameters.method =
+        values.choice("method") == 1 ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+    parameters.areaRestoration = values.real("area_restoration");
+    parameters.published.anisotropicScaling = values.flag("anisotropic_scaling");
+    parameters.published.icpIterations = values.integer("icp_iterations");
+    parameters.published.smoothingSweeps = values.integer("smoothing_sweeps");
+    parameters.threads = values.integer("threads");
+    requireValid(parameters);
+    return parameters;
+  }
+
+  static MappedSurface readRoot(const Participants& participants) {
+    const auto root = static_cast<size_t>(participants.root);
+    const host::Layer& layer = participants.layers[root];
+    std::optional<MappedSurface> map = layer.map(participants.meshes[root]);
+    if (!map) throw MapError(0, -1, whyNoMap(layer, participants.meshes[root]));
+    return *map;
+  }
+
+  /// Says whether another root would be larger, and which one would leave the farthest layer at
+  /// most three quarters of the arcs away.
+  static void logNotes(host::Task& task, const Participants& participants,
+                       const PropagationTree& tree) {
+    const host::Layer& root = participants.layers[static_cast<size_t>(participants.root)];
+    if (const std::string note = LargestLayer(participants.layers).note(root.id()); !note.empty())
+      task.log("Note: the root is layer \"" + root.label() + "\"; " + note +
+               ". For a heart cycle, end-diastole is the better root.");
     const int centre = tree.centre(), arcs = tree.farthestFrom(tree.root()),
               least = tree.farthestFrom(centre);
     if (4 * least > 3 * arcs || arcs - least < 2) return;
     task.log("Note: the farthest layer is " + counted(arcs, "step", "steps") +
              " from the root; with layer \"" +
-             sequence.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " +
+             participants.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " +
              std::to_string(least) +
              ". Where layers form a cycle, the order \"Cyclic time\" is shorter, too.");
   }
@@ -283,9 +325,9 @@ class PropagationFilter : public host::Filter {
               shortNumber(size > 1 ? size : 1 / size) + " times " +
               (size > 1 ? "larger" : "smaller") +
               " than its parent, so one of them may be in another unit";
-    const double edges =
-        propagated.residualMean / meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
-    if (edges > maxResidualInEdges)
+    const double edges = propagated.transferred.residual.mean /
+                         meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
+    if (edges > maxEdgesApart)
       text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
               " edge lengths off on average, so it may be another shape or in another unit";
     return text.empty() ? text : "Warning: " + layer.label() + ": " + text + ".";
@@ -303,12 +345,12 @@ class PropagationFilter : public host::Filter {
     return current;
   }
 
-  static Sequence readSequence(host::Task& task) {
-    Sequence sequence;
-    sequence.layers = task.layers.visibleSurfaces();
+  static Participants readParticipants(host::Task& task) {
+    Participants participants;
+    participants.layers = task.layers.visibleSurfaces();
     const int rootId = task.values.layerId("root_layer");
-    sequence.root = sequence.indexOf(rootId);
-    if (sequence.root < 0) {
+    participants.root = participants.indexOf(rootId);
+    if (participants.root < 0) {
       const auto layer = task.layers.find(rootId);
       throw ParameterError(
           layer ? "Layer \"" + layer->label() +
@@ -316,79 +358,41 @@ class PropagationFilter : public host::Filter {
                       "or of a shape model. Show it, or choose a visible surface layer."
                 : "There is no layer " + std::to_string(rootId) + " to be the root.");
     }
-    if (sequence.layers.size() == 1)
-      throw ParameterError("Layer \"" + sequence.layers[0].label() +
+    if (participants.layers.size() == 1)
+      throw ParameterError("Layer \"" + participants.layers[0].label() +
                            "\" is the only visible surface: there is nothing to propagate its map "
                            "to. Load or show the other layers.");
-    const double count = static_cast<double>(sequence.layers.size());
-    for (size_t i = 0; i < sequence.layers.size(); ++i) {
-      sequence.meshes.push_back(sequence.layers[i].surface());
+    const double count = static_cast<double>(participants.layers.size());
+    for (size_t i = 0; i < participants.layers.size(); ++i) {
+      participants.meshes.push_back(participants.layers[i].surface());
       report(task.progress, 0.05 * static_cast<double>(i + 1) / count);
     }
-    return sequence;
+    return participants;
   }
 
-  static PropagationTree makeTree(host::Task& task, const Sequence& sequence,
-                                  const std::vector<ClosedSurface>& surfaces) {
-    const int count = static_cast<int>(surfaces.size());
-    const auto order = static_cast<Order>(task.values.choice("order"));
-    switch (order) {
-      case Order::Time:
-        return timeOrder(count, sequence.root);
-      case Order::CyclicTime:
-        return cyclicTimeOrder(count, sequence.root);
-      case Order::SimilarityTree: {
-        ThreadPool pool(std::max(0, task.values.integer("threads")));
-        return similarityTree(surfaces, sequence.root, pool).tree;
-      }
-      case Order::Star:
-        return star(count, sequence.root);
-      case Order::Given:
-        break;
+  /// Reflects the layers for which there is a plane. Returns 1 for each of them, else 0.
+  static Eigen::VectorXd mirror(host::Task& task, const Participants& participants,
+                                const std::vector<std::optional<double>>& planes) {
+    Eigen::VectorXd mirrored = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(planes.size()));
+    for (size_t i = 0; i < planes.size(); ++i) {
+      if (!planes[i]) continue;
+      mirrored[static_cast<Eigen::Index>(i)] = 1;
+      task.changes.mirror(participants.layers[i], *planes[i]);
+      task.log(participants.layers[i].label() +
+               ": is a mirror image of the others, and was reflected across the plane x = " +
+               shortNumber(*planes[i]) +
+               " through its centroid. Its surface is changed; save it, or reflect the layer again "
+               "to go back.");
     }
-    const PropagationTree tree = givenTree(sequence, task.values.text("parents"));
-    if (tree.root() != sequence.root)
-      throw ParameterError(
-          "parents: the root (-1) is layer \"" +
-          sequence.layers[static_cast<size_t>(tree.root())].label() + "\", but root_layer is \"" +
-          sequence.layers[static_cast<size_t>(sequence.root)].label() + "\". Make them the same.");
-    return tree;
+    return mirrored;
   }
 
-  /// Reflects the layers that are mirror images of the others: in `surfaces`, in `sequence` and,
-  /// when all is done, in the document. mirrored: 1 for each of them.
-  static void mirrorLayers(host::Task& task, Sequence& sequence,
-                           std::vector<ClosedSurface>& surfaces, PropagationTree& tree,
-                           Eigen::VectorXd& mirrored) {
-    ThreadPool pool(std::max(0, task.values.integer("threads")));
-    for (bool again = true; again;) {
-      again = false;
-      const std::vector<std::optional<double>> planes = findMirrorPlanes(surfaces, tree, pool);
-      for (size_t i = 0; i < surfaces.size(); ++i) {
-        double& done = mirrored[static_cast<Eigen::Index>(i)];
-        if (!planes[i] || done != 0) continue;
-        done = 1;
-        surfaces[i] = mirrorImage(surfaces[i], *planes[i]);
-        sequence.meshes[i].surface = surfaces[i];
-        task.changes.mirror(sequence.layers[i], *planes[i]);
-        task.log(sequence.layers[i].label() +
-                 ": is a mirror image of the others, and was reflected across the plane x = " +
-                 shortNumber(*planes[i]) +
-                 " through its centroid. Its surface is changed; save it, or reflect the layer "
-                 "again to go back.");
-        // Which shapes are alike may be another matter now.
-        again = static_cast<Order>(task.values.choice("order")) == Order::SimilarityTree;
-      }
-      if (again) tree = makeTree(task, sequence, surfaces);
-    }
-  }
-
-  static host::Outputs write(host::Task& task, const Sequence& sequence,
+  static host::Outputs write(host::Task& task, const Participants& participants,
                              const std::vector<PropagatedLayer>& propagated) {
-    const size_t count = sequence.layers.size();
+    const size_t count = participants.layers.size();
     // A layer whose own map was handed to it passes on the root that this came from: they all
     // belong together.
-    const host::Layer& rootLayer = sequence.layers[static_cast<size_t>(sequence.root)];
+    const host::Layer& rootLayer = participants.layers[static_cast<size_t>(participants.root)];
     const std::optional<int> known = rootLayer.mark(host::rootMark),
                              root = known ? known : rootLayer.mapFingerprint();
     if (root && !known) task.changes.setMark(rootLayer, host::rootMark, *root);
@@ -399,36 +403,38 @@ class PropagationFilter : public host::Filter {
     for (size_t i = 0; i < count; ++i) {
       const PropagatedLayer& layer = propagated[i];
       const auto row = static_cast<Eigen::Index>(i);
-      const MapMeasures measures = measureMap(sequence.meshes[i].surface, layer.map.positions());
+      const MapMeasures measures =
+          measureMap(participants.meshes[i].surface, layer.map().positions());
       figures.set(i, measures, layer.seconds);
       const bool isRoot = layer.parent < 0;
       const std::string from =
-          isRoot ? "" : sequence.layers[static_cast<size_t>(layer.parent)].label();
-      parent[row] = isRoot ? -1 : sequence.layers[static_cast<size_t>(layer.parent)].id();
-      residualMean[row] = layer.residualMean;
-      residualP95[row] = layer.residualP95;
-      repairedFaces[row] = layer.repairedFaces;
+          isRoot ? "" : participants.layers[static_cast<size_t>(layer.parent)].label();
+      parent[row] = isRoot ? -1 : participants.layers[static_cast<size_t>(layer.parent)].id();
+      residualMean[row] = layer.transferred.residual.mean;
+      residualP95[row] = layer.transferred.residual.p95;
+      repairedFaces[row] = layer.transferred.repairedFaces;
       route[row] = static_cast<double>(layer.route);
       std::string line =
-          describeMap(sequence.layers[i].label(), sequence.meshes[i].surface, measures);
+          describeMap(participants.layers[i].label(), participants.meshes[i].surface, measures);
       if (isRoot) {
         line += " (root)";
       } else {
         const std::string note =
-            task.changes.setMap(sequence.layers[i], sequence.meshes[i], layer.map, root);
+            task.changes.setMap(participants.layers[i], participants.meshes[i], layer.map(), root);
         if (!note.empty()) task.log(note);
-        line += ", from " + from + " with residual " + shortNumber(layer.residualMean) +
-                " (95 % below " + shortNumber(layer.residualP95) + "), " +
-                counted(layer.repairedFaces, "face", "faces") + " repaired, " +
+        line += ", from " + from + " with residual " +
+                shortNumber(layer.transferred.residual.mean) + " (95 % below " +
+                shortNumber(layer.transferred.residual.p95) + "), " +
+                counted(layer.transferred.repairedFaces, "face", "faces") + " repaired, " +
                 shortNumber(layer.seconds) + " s";
       }
       if (task.values.flag("residual_quality"))
-        task.changes.setQuality(
-            sequence.layers[i], sequence.meshes[i],
-            Eigen::Map<const Eigen::VectorXd>(layer.distances.data(),
-                                              static_cast<Eigen::Index>(layer.distances.size())));
+        task.changes.setQuality(participants.layers[i], participants.meshes[i],
+                                Eigen::Map<const Eigen::VectorXd>(
+                                    layer.transferred.distances.data(),
+                                    static_cast<Eigen::Index>(layer.transferred.distances.size())));
       task.log(line);
-      if (const std::string text = warning(sequence.layers[i], sequence.meshes[i], layer);
+      if (const std::string text = warning(participants.layers[i], participants.meshes[i], layer);
           !text.empty())
         task.log(text);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));

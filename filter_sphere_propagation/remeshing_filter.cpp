@@ -135,8 +135,8 @@ class RemeshingFilter : public host::Filter {
     return pool.makeEach(static_cast<int>(layers.size()), [&](int i) {
       const MappedLayer& layer = layers[static_cast<size_t>(i)];
       const Stopwatch stopwatch;
-      Remeshed remeshed = remesher.remesh(layer.mesh.surface, layer.map);
-      const SurfaceDistance distance = remesher.distance(remeshed, layer.mesh.surface, layer.map);
+      Remeshed remeshed = remesher.remesh(layer.map);
+      const SurfaceDistance distance = remesher.distance(remeshed, layer.map);
       const double share = static_cast<double>(++finished) / static_cast<double>(layers.size());
       if (std::this_thread::get_id() == caller) report(progress, share);
       return Made{std::move(remeshed.landmarks), distance, stopwatch.seconds()};

@@ -145,9 +145,9 @@ struct Changes::LayerChange {
 Changes::Changes(MeshDocument& document) : document_(document) {}
 Changes::~Changes() = default;
 
-std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map,
-                            std::optional<int> root) {
-  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(surface.surface, map), root};
+std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
+                            const MappedSurface& map, std::optional<int> root) {
+  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(map), root};
   int mended = change.texture->mendedVertices;
   const bool textureHoldsIt = change.texture->valid;
   if (!textureHoldsIt) {
@@ -159,7 +159,7 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface, cons
     for (Eigen::Index v = 0; v < map.positions().rows(); ++v)
       change.positions.push_back(pointm(map.positions(), v));
   } else {
-    const FloatCopy copy = copyToFloat(surface.surface, map);
+    const FloatCopy copy = copyToFloat(map);
     attributeHoldsIt = copy.valid;
     if (copy.valid) {
       mended += copy.mendedVertices;

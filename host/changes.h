@@ -44,7 +44,7 @@ class Changes {
   /// nothing: texture coordinates are floats, in some hosts the attribute is as well, and where
   /// rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when
   /// neither holds the map.
-  std::string setMap(const Layer& layer, const MeshSurface& surface, const SphereMap& map,
+  std::string setMap(const Layer& layer, const MeshSurface& surface, const MappedSurface& map,
                      std::optional<int> root = {});
 
   /// Puts a mark on a layer, see layers.h.

@@ -107,11 +107,11 @@ std::optional<Points> Layer::storedPositions(const MeshSurface& surface) const {
   return texturePositions(surface);
 }
 
-std::optional<SphereMap> Layer::map(const MeshSurface& surface) const {
+std::optional<MappedSurface> Layer::map(const MeshSurface& surface) const {
   if (auto positions = attributePositions(surface))
-    if (auto map = SphereMap::ifValid(surface.surface, std::move(*positions))) return map;
+    if (auto map = MappedSurface::ifValid(surface.surface, std::move(*positions))) return map;
   if (auto positions = texturePositions(surface))
-    return SphereMap::ifValid(surface.surface, std::move(*positions));
+    return MappedSurface::ifValid(surface.surface, std::move(*positions));
   return std::nullopt;
 }
 

@@ -9,7 +9,7 @@
 
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/vcg_conversion.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 class MeshDocument;
 class MeshModel;
@@ -66,7 +66,7 @@ class Layer {
   MeshSurface surface() const;
   /// The map that the layer carries: the attribute, else the texture coordinates, whichever
   /// certifies as a map of this surface; ordinary texture coordinates do not, and are no map.
-  std::optional<SphereMap> map(const MeshSurface& surface) const;
+  std::optional<MappedSurface> map(const MeshSurface& surface) const;
   /// The positions stored on the layer, certified or not (#V by 3, in the surface's numbering): the
   /// attribute where there is one, else the texture coordinates; empty when it has neither. For
   /// measurements.

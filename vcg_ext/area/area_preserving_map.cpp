@@ -29,15 +29,16 @@ AreaEnergyWeights energyWeights(double areaWeight) {
   return areaWeight == 0 ? AreaEnergyWeights{0, 1} : AreaEnergyWeights{1, shapeWeight(areaWeight)};
 }
 
-AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
+AreaPreservingResult makeAreaPreserving(const MappedSurface& start,
                                         const AreaPreservingParameters& parameters,
                                         const Progress& progress, ThreadPool* pool) {
   const AreaEnergyWeights weights = energyWeights(parameters.areaWeight);
+  const ClosedSurface& surface = start.surface();
   AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()), pool);
   AreaPreservingResult result{start, 0};
   Points positions = start.positions();
   result.steps = minimiseInStages(minimiser, weights, positions, progress);
-  result.map = SphereMap(surface, std::move(positions));
+  result.map = MappedSurface(surface, std::move(positions));
   report(progress, 1);
   return result;
 }

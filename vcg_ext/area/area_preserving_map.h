@@ -5,7 +5,7 @@
 #include "vcg_ext/area/area_energy.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -16,7 +16,7 @@ struct AreaPreservingParameters {
 };
 
 struct AreaPreservingResult {
-  SphereMap map;
+  MappedSurface map;
   int steps = 0;  ///< global steps taken
 };
 
@@ -28,7 +28,7 @@ AreaEnergyWeights energyWeights(double areaWeight);
 /// stages to the one that `areaWeight` asks for, so that areas first travel through faces in good
 /// shape. Every step keeps the map valid. pool: who does the work, the calling thread alone where
 /// there is none; the result is the same. Throws ParameterError when areaWeight is outside [0, 1].
-AreaPreservingResult makeAreaPreserving(const ClosedSurface& surface, const SphereMap& start,
+AreaPreservingResult makeAreaPreserving(const MappedSurface& start,
                                         const AreaPreservingParameters& parameters = {},
                                         const Progress& progress = {}, ThreadPool* pool = nullptr);
 

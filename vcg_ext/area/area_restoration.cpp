@@ -44,17 +44,13 @@ std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Point
 
 }  // namespace
 
-SphereMap restoreArea(const ClosedSurface& surface, const SphereMap& map, double amount,
+MappedSurface restoreArea(const MappedSurface& map, double amount,
                       const Progress& progress) {
   if (!(amount >= 0 && amount <= 1))
     throw ParameterError("The area restoration must lie between 0 and 1; it is " +
                          std::to_string(amount) + ".");
-  if (map.positions().rows() != surface.vertexCount())
-    throw ParameterError("Layer \"" + surface.name() + "\" has " +
-                         std::to_string(surface.vertexCount()) +
-                         " vertices, but the map that is given as its has " +
-                         std::to_string(map.positions().rows()) + " positions.");
   if (amount == 0) return map;
+  const ClosedSurface& surface = map.surface();
   AreaMinimiser minimiser(surface, targetsBetween(surface, map.positions(), amount));
   Points positions = map.positions();
   minimiseInStages(minimiser, {1, shapeWeight}, positions, progress);

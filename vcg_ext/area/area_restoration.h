@@ -4,7 +4,7 @@
 /// stays near it.
 
 #include "vcg_ext/base/progress.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -20,7 +20,7 @@ namespace sphere_propagation {
 /// amount: in [0, 1]. 0 returns the map bit for bit; 1 preserves areas all but exactly.
 /// Every step keeps the map valid. Throws ParameterError when amount is outside its range or the
 /// map is not the surface's.
-SphereMap restoreArea(const ClosedSurface& surface, const SphereMap& map, double amount,
+MappedSurface restoreArea(const MappedSurface& map, double amount,
                       const Progress& progress = {});
 
 }  // namespace sphere_propagation

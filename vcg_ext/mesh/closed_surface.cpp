@@ -46,18 +46,61 @@ long coincidentVertices(const Points& vertices) {
   return count;
 }
 
-}  // namespace
-
-ClosedSurface::ClosedSurface(Points vertices, Triangles faces, std::string name)
-    : vertices_(std::move(vertices)), faces_(std::move(faces)), name_(std::move(name)) {
-  checkElements();
-  connectEdges();
-  connectVertices();
-  checkTopology();
-  checkGeometry();
+void requireFinite(const Points& vertices, const std::string& name) {
+  Tally bad;
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v)
+    if (!vertices.row(v).allFinite()) bad.add(v);
+  if (bad.count > 0)
+    fail(name, Defect::NonFiniteCoordinate, bad,
+         counted(bad.count, "vertex has", "vertices have") +
+             " coordinates that are not finite numbers, the first is vertex " +
+             std::to_string(bad.first),
+         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then "
+         "\"Delete Selected Vertices\" and \"Close Holes\".");
 }
 
-void ClosedSurface::checkElements() const {
+/// Checks a mesh step by step, and finds out how it hangs together on the way.
+class Inspection {
+ public:
+  Inspection(const Points& vertices, Connectivity& mesh, const std::string& name)
+      : vertices_(vertices),
+        faces_(mesh.faces),
+        name_(name),
+        mesh_(mesh),
+        twin_(mesh.twin),
+        offset_(mesh.offset),
+        outgoing_(mesh.outgoing),
+        ring_(mesh.neighbours) {}
+
+  void run() {
+    checkElements();
+    connectEdges();
+    connectVertices();
+    checkTopology();
+  }
+
+ private:
+  void checkElements() const;
+  void connectEdges();
+  void connectVertices();
+  void checkTopology() const;
+  int vertexCount() const { return static_cast<int>(vertices_.rows()); }
+  int faceCount() const { return static_cast<int>(faces_.rows()); }
+  int origin(int h) const { return mesh_.origin(h); }
+  int target(int h) const { return mesh_.target(h); }
+  static int previous(int h) { return Connectivity::previous(h); }
+  IndexRange ring(int v) const {
+    return {ring_.data() + offset_[v], ring_.data() + offset_[v + 1]};
+  }
+
+  const Points& vertices_;
+  const Triangles& faces_;
+  const std::string& name_;
+  Connectivity& mesh_;
+  std::vector<int>&twin_, &offset_, &outgoing_, &ring_;
+};
+
+void Inspection::checkElements() const {
   const int n = vertexCount(), m = faceCount();
   if (m == 0)
     fail(name_, Defect::Empty, {}, n == 0 ? "it is empty" : "it has vertices but no faces",
@@ -65,16 +108,8 @@ void ClosedSurface::checkElements() const {
   if (n < 4)
     fail(name_, Defect::TooFewVertices, {n, 0}, "it has " + counted(n, "vertex", "vertices"),
          "A closed surface has at least four.");
+  requireFinite(vertices_, name_);
   Tally bad;
-  for (int v = 0; v < n; ++v)
-    if (!vertices_.row(v).allFinite()) bad.add(v);
-  if (bad.count > 0)
-    fail(name_, Defect::NonFiniteCoordinate, bad,
-         counted(bad.count, "vertex has", "vertices have") +
-             " coordinates that are not finite numbers, the first is vertex " +
-             std::to_string(bad.first),
-         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then "
-         "\"Delete Selected Vertices\" and \"Close Holes\".");
   for (int f = 0; f < m; ++f)
     if (faces_.row(f).minCoeff() < 0 || faces_.row(f).maxCoeff() >= n) bad.add(f);
   if (bad.count > 0)
@@ -93,7 +128,7 @@ void ClosedSurface::checkElements() const {
          "Remove them with \"Remove Zero Area Faces\", then \"Close Holes\" if there are any.");
 }
 
-void ClosedSurface::connectEdges() {
+void Inspection::connectEdges() {
   // The half-edges, sorted into buckets by their smaller vertex and there by the larger: those of
   // one edge meet.
   struct Entry {
@@ -157,7 +192,7 @@ void ClosedSurface::connectEdges() {
          "\"Invert Faces Orientation\".");
 }
 
-void ClosedSurface::connectVertices() {
+void Inspection::connectVertices() {
   const int n = vertexCount(), halfEdges = 3 * faceCount();
   offset_.assign(static_cast<size_t>(n) + 1, 0);
   std::vector<int> some(static_cast<size_t>(n), -1);  // one half-edge from each vertex
@@ -194,7 +229,7 @@ void ClosedSurface::connectVertices() {
          "part with \"Remove Isolated pieces (wrt Face Num.)\".");
 }
 
-void ClosedSurface::checkTopology() const {
+void Inspection::checkTopology() const {
   const int n = vertexCount();
   std::vector<int> part(static_cast<size_t>(n), -1), stack;
   std::vector<int> first;  // a vertex of each part
@@ -226,30 +261,64 @@ void ClosedSurface::checkTopology() const {
          "with \"Surface Reconstruction: Screened Poisson\" at a lower depth.");
 }
 
-void ClosedSurface::checkGeometry() const {
+void requireArea(const Points& vertices, const Triangles& faces, const std::string& name) {
   // Lengths are taken relative to the extent, so that neither tiny nor huge coordinates leave the
   // range of numbers.
-  const Vector3 low = vertices_.colwise().minCoeff(), high = vertices_.colwise().maxCoeff();
+  const Vector3 low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
   const Vector3 centre = 0.5 * low + 0.5 * high;
   const double extent = (0.5 * high - 0.5 * low).maxCoeff();
+  const auto vertex = [&](Eigen::Index f, int k) -> Vector3 {
+    return vertices.row(faces(f, k)).transpose();
+  };
   double area = 0, volume = 0;
   if (extent > 0)
-    for (int f = 0; f < faceCount(); ++f) {
-      const Vector3 a = (vertex(faces_(f, 0)) - centre) / extent,
-                    b = (vertex(faces_(f, 1)) - centre) / extent,
-                    c = (vertex(faces_(f, 2)) - centre) / extent;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      const Vector3 a = (vertex(f, 0) - centre) / extent, b = (vertex(f, 1) - centre) / extent,
+                    c = (vertex(f, 2) - centre) / extent;
       const Vector3 n = (b - a).cross(c - a);
       area += 0.5 * n.norm();
       volume += n.dot(a) / 6;
     }
   if (!(area > 0))
-    fail(name_, Defect::ZeroArea, {faceCount(), 0}, "all its faces have zero area",
+    fail(name, Defect::ZeroArea, {faces.rows(), 0}, "all its faces have zero area",
          "There is no surface to map: load the mesh again.");
   constexpr double flat =
       1e-9;  // a flattened surface encloses nothing, up to rounding, and has no inside
   if (volume < -flat * std::pow(area, 1.5))
-    fail(name_, Defect::InwardOrientation, {faceCount(), 0}, "its faces are oriented inwards",
+    fail(name, Defect::InwardOrientation, {faces.rows(), 0}, "its faces are oriented inwards",
          "Turn them round with \"Invert Faces Orientation\".");
+}
+
+}  // namespace
+
+ClosedSurface::ClosedSurface(Points vertices, Triangles faces, std::string name)
+    : name_(std::make_shared<const std::string>(std::move(name))) {
+  auto connectivity = std::make_shared<Connectivity>();
+  connectivity->faces = std::move(faces);
+  Inspection(vertices, *connectivity, *name_).run();
+  requireArea(vertices, connectivity->faces, *name_);
+  connectivity_ = std::move(connectivity);
+  vertices_ = std::make_shared<const Points>(std::move(vertices));
+}
+
+ClosedSurface::ClosedSurface(std::shared_ptr<const Connectivity> connectivity, Points vertices,
+                             std::shared_ptr<const std::string> name)
+    : connectivity_(std::move(connectivity)),
+      vertices_(std::make_shared<const Points>(std::move(vertices))),
+      name_(std::move(name)) {
+  requireFinite(*vertices_, *name_);
+  requireArea(*vertices_, faces(), *name_);
+}
+
+ClosedSurface ClosedSurface::withVertices(Points vertices) const {
+  if (vertices.rows() != vertexCount())
+    throw ParameterError("Surface \"" + name() + "\" has " + std::to_string(vertexCount()) +
+                         " vertices, and cannot get " + std::to_string(vertices.rows()) + ".");
+  return {connectivity_, std::move(vertices), name_};
+}
+
+bool ClosedSurface::hasFacesOf(const ClosedSurface& other) const {
+  return connectivity_ == other.connectivity_ || faces() == other.faces();
 }
 
 }  // namespace sphere_propagation

@@ -2,7 +2,6 @@
 #include "vcg_ext/registration/shape_alignment.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +14,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int sampleCount = 100, samplesToChooseBy = 50;
+constexpr Eigen::Index samplesToChooseBy = 50;
 constexpr int alignmentIterations = 10, anywhereIterations = 30;
 constexpr size_t startsToRefine = 6;
 constexpr double equallyGood = 1.05;
@@ -23,35 +22,6 @@ constexpr int planeIterations = 20;
 constexpr Eigen::Index fewPlanes = 200, planes = 1000;  // first by few points, then by more
 constexpr double nearlyThere = 1e-3, there = 1e-6;      // steps, in R
 constexpr double planeAgreement = 0.5;                  // of normals
-
-/// Vertices each as far as possible from those before; the first is the one farthest from the
-/// centre.
-Points spreadOver(const Points& points, const Vector3& centre) {
-  const auto count = std::min<Eigen::Index>(sampleCount, points.rows());
-  Points spread(count, 3);
-  Eigen::Index next = 0;
-  (points.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff(&next);
-  Eigen::VectorXd distance =
-      Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    spread.row(i) = points.row(next);
-    for (Eigen::Index j = 0; j < points.rows(); ++j)
-      distance[j] = std::min(distance[j], (points.row(j) - spread.row(i)).squaredNorm());
-    distance.maxCoeff(&next);
-  }
-  return spread;
-}
-
-Eigen::Matrix3d axesOf(const Points& points, const Vector3& centre, const Eigen::VectorXd& shares) {
-  const Points centred = points.rowwise() - centre.transpose();
-  const Eigen::Matrix3d covariance = centred.transpose() * shares.asDiagonal() * centred;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
-  Eigen::Matrix3d axes;
-  axes.col(0) = solver.eigenvectors().col(2);
-  axes.col(1) = solver.eigenvectors().col(1);
-  axes.col(2) = axes.col(0).cross(axes.col(1));
-  return axes;
-}
 
 /// Sum of the squared distances of the moved points from the nearest vertices.
 double misfit(const Points& points, const RigidMotion& motion, const VertexLocator& vertices) {
@@ -107,13 +77,11 @@ std::vector<Eigen::Matrix3d> icosahedralRotations() {
   return rotations;
 }
 
-}  // namespace
-
 /// Gauss-Newton on the distances of points from the planes at their closest points, as seen from
 /// the centre. All lengths are counted in R, so that ridge and stop mean the same in any unit.
-RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
-                            const AlignedShape& to, Eigen::Index count, double enough) {
-  const Points& points = from.vertices_.points();
+RigidMotion refinedByPlanes(const RigidMotion& start, const PreparedSurface& from,
+                            const PreparedSurface& to, Eigen::Index count, double enough) {
+  const Points& points = from.surface().vertices();
   const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / count);
   std::vector<int> nearby(static_cast<size_t>(points.rows()), -1);
   RigidMotion motion = start;
@@ -122,19 +90,19 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
     Eigen::Matrix<double, 6, 1> vector = Eigen::Matrix<double, 6, 1>::Zero();
     for (Eigen::Index i = 0; i < points.rows(); i += step) {
       const Vector3 x = motion.rotation * points.row(i).transpose() + motion.translation;
-      const Vector3 direction = motion.rotation * from.normals_.row(i).transpose();
+      const Vector3 direction = motion.rotation * from.normals().row(i).transpose();
       int& near = nearby[static_cast<size_t>(i)];
-      const SurfacePoint closest = to.surface_->closest(x, direction, planeAgreement, near);
+      const SurfacePoint closest = to.locator().closest(x, direction, planeAgreement, near);
       near = closest.face;
       if (closest.face < 0) continue;
-      const Vector3 n = closest.interpolate(to.faces_, to.normals_).normalized();
-      const Vector3 p = closest.interpolate(to.faces_, to.vertices_.points());
-      const double scale = closest.distance / (0.1 * to.radius_);
+      const Vector3 n = closest.interpolate(to.surface().faces(), to.normals()).normalized();
+      const Vector3 p = closest.interpolate(to.surface().faces(), to.surface().vertices());
+      const double scale = closest.distance / (0.1 * to.radius());
       const double weight = 1 / (1 + scale * scale);
       Eigen::Matrix<double, 6, 1> row;
-      row << ((x - to.centre_) / to.radius_).cross(n), n;
+      row << ((x - to.centre()) / to.radius()).cross(n), n;
       matrix += weight * row * row.transpose();
-      vector += weight * row * n.dot(p - x) / to.radius_;
+      vector += weight * row * n.dot(p - x) / to.radius();
     }
     matrix.diagonal().array() += 1e-6 * matrix.trace() / 6;  // round shapes turn freely: stay
     const Eigen::Matrix<double, 6, 1> step6 = matrix.ldlt().solve(vector);
@@ -144,69 +112,51 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const AlignedShape& from,
     const Eigen::Matrix3d rotation = angle > 0
                                          ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()
                                          : Eigen::Matrix3d::Identity();
-    motion = {rotation * motion.rotation, rotation * (motion.translation - to.centre_) +
-                                              to.centre_ + to.radius_ * step6.tail<3>()};
+    motion = {rotation * motion.rotation, rotation * (motion.translation - to.centre()) +
+                                              to.centre() + to.radius() * step6.tail<3>()};
     if (step6.norm() < enough) break;
   }
   return motion;
 }
 
-AlignedShape::AlignedShape(const ClosedSurface& surface)
-    : AlignedShape(surface, vertexAreas(surface.vertices(), surface.faces())) {}
+}  // namespace
 
-AlignedShape::AlignedShape(const ClosedSurface& surface, const Eigen::VectorXd& areas)
-    : centre_(surface.vertices().transpose() * areas / areas.sum()),
-      radius_(radiusOfSphere(areas.sum())),
-      volume_(enclosedVolume(surface.vertices(), surface.faces())),
-      axes_(axesOf(surface.vertices(), centre_, areas / areas.sum())),
-      samples_(spreadOver(surface.vertices(), centre_)),
-      vertices_(surface.vertices()),
-      normals_(vertexNormals(surface.vertices(), surface.faces())),
-      faces_(surface.faces()),
-      surface_(std::make_shared<const SurfaceLocator>(surface.vertices(), surface.faces())) {}
-
-std::vector<AlignedShape> alignedShapes(const std::vector<ClosedSurface>& surfaces,
-                                        ThreadPool& pool) {
-  return pool.makeEach(static_cast<int>(surfaces.size()),
-                       [&](int i) { return AlignedShape(surfaces[static_cast<size_t>(i)]); });
-}
-
-RigidMotion motionByAxes(const AlignedShape& from, const AlignedShape& to) {
+RigidMotion motionByAxes(const PreparedSurface& from, const PreparedSurface& to) {
   // The first of the samples are themselves spread, and enough to choose by.
-  const Points few =
-      from.samples_.topRows(std::min<Eigen::Index>(samplesToChooseBy, from.samples_.rows()));
-  RigidMotion start = about(from.centre_, to.centre_, Eigen::Matrix3d::Identity());
-  double least = misfit(few, start, to.vertices_);
-  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes_, to.axes_)) {
-    const RigidMotion motion = about(from.centre_, to.centre_, rotation);
-    const double sum = misfit(few, motion, to.vertices_);
+  const Points few = from.samples().topRows(std::min(samplesToChooseBy, from.samples().rows()));
+  RigidMotion start = about(from.centre(), to.centre(), Eigen::Matrix3d::Identity());
+  double least = misfit(few, start, to.vertexLocator());
+  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes(), to.axes())) {
+    const RigidMotion motion = about(from.centre(), to.centre(), rotation);
+    const double sum = misfit(few, motion, to.vertexLocator());
     if (sum >= least) continue;
     least = sum;
     start = motion;
   }
-  return refined(start, from.samples_, to.vertices_, alignmentIterations);
+  return refined(start, from.samples(), to.vertexLocator(), alignmentIterations);
 }
 
-RigidMotion motionFromAnywhere(const AlignedShape& from, const AlignedShape& to) {
+RigidMotion motionFromAnywhere(const PreparedSurface& from, const PreparedSurface& to) {
   struct Candidate {
     RigidMotion motion;
     double misfit;
   };
   std::vector<Candidate> starts;
   const auto consider = [&](const Eigen::Matrix3d& rotation) {
-    const RigidMotion motion = about(from.centre_, to.centre_, rotation);
-    starts.push_back({motion, misfit(from.samples_, motion, to.vertices_)});
+    const RigidMotion motion = about(from.centre(), to.centre(), rotation);
+    starts.push_back({motion, misfit(from.samples(), motion, to.vertexLocator())});
   };
   consider(Eigen::Matrix3d::Identity());
-  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes_, to.axes_)) consider(rotation);
+  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes(), to.axes())) consider(rotation);
   const std::vector<Eigen::Matrix3d> turns = icosahedralRotations();  // the first is none
-  for (size_t i = 1; i < turns.size(); ++i) consider(to.axes_ * turns[i] * from.axes_.transpose());
+  for (size_t i = 1; i < turns.size(); ++i)
+    consider(to.axes() * turns[i] * from.axes().transpose());
   std::stable_sort(starts.begin() + 1, starts.end(),
                    [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
   starts.resize(std::min(starts.size(), startsToRefine));  // the first is how they are turned
   std::vector<double> distances;
   for (Candidate& start : starts) {
-    start.motion = refined(start.motion, from.samples_, to.vertices_, anywhereIterations);
+    start.motion = refined(start.motion, from.samples(), to.vertexLocator(), anywhereIterations);
     distances.push_back(shapeDistance(from, to, start.motion));
   }
   // Shapes that are nearly symmetric fit in several poses: of equally good ones the least turn.
@@ -215,7 +165,7 @@ RigidMotion motionFromAnywhere(const AlignedShape& from, const AlignedShape& to)
   double minAngle = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < starts.size(); ++i) {
     const double angle = Eigen::AngleAxisd(starts[i].motion.rotation).angle();
-    if (distances[i] > equallyGood * least + 1e-9 * from.radius_ || angle >= minAngle) continue;
+    if (distances[i] > equallyGood * least + 1e-9 * from.radius() || angle >= minAngle) continue;
     minAngle = angle;
     best = starts[i].motion;
   }
@@ -224,7 +174,8 @@ RigidMotion motionFromAnywhere(const AlignedShape& from, const AlignedShape& to)
   return shapeDistance(from, to, exact) <= equallyGood * least ? exact : best;
 }
 
-double shapeDistance(const AlignedShape& from, const AlignedShape& to, const RigidMotion& motion) {
+double shapeDistance(const PreparedSurface& from, const PreparedSurface& to,
+                     const RigidMotion& motion) {
   const auto rootMeanSquare = [](const Points& points, const SurfaceLocator& surface) {
     double sum = 0;
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
@@ -233,12 +184,12 @@ double shapeDistance(const AlignedShape& from, const AlignedShape& to, const Rig
     }
     return std::sqrt(sum / static_cast<double>(points.rows()));
   };
-  return (rootMeanSquare(motion.applyTo(from.samples_), *to.surface_) +
-          rootMeanSquare(motion.inverse().applyTo(to.samples_), *from.surface_)) /
+  return (rootMeanSquare(motion.applyTo(from.samples()), to.locator()) +
+          rootMeanSquare(motion.inverse().applyTo(to.samples()), from.locator())) /
          2;
 }
 
-double minShapeDistance(const AlignedShape& a, const AlignedShape& b) {
+double minShapeDistance(const PreparedSurface& a, const PreparedSurface& b) {
   const double radius = std::max(a.radius(), b.radius());
   return std::fabs(a.volume() - b.volume()) / (4 * pi * radius * radius);
 }

@@ -10,8 +10,8 @@ namespace sphere_propagation {
 namespace {
 
 /// For each vertex of the surface the face of the icosphere under its position on the sphere.
-std::vector<int> icosphereFaces(const ClosedSurface& surface, const SphereMap& map,
-                                const ClosedSurface& sphere) {
+std::vector<int> icosphereFaces(const MappedSurface& mapped, const ClosedSurface& sphere) {
+  const ClosedSurface& surface = mapped.surface();
   std::vector<int> under(static_cast<size_t>(surface.vertexCount()), -1);
   for (int v = 0; v < surface.vertexCount(); ++v) {
     int start = v > 0 ? under[static_cast<size_t>(v - 1)] : 0;
@@ -21,7 +21,7 @@ std::vector<int> icosphereFaces(const ClosedSurface& surface, const SphereMap& m
         break;
       }
     under[static_cast<size_t>(v)] =
-        walkOverSphere(sphere, sphere.vertices(), map.position(v), start);
+        walkOverSphere(sphere, sphere.vertices(), mapped.position(v), start);
   }
   return under;
 }
@@ -37,16 +37,16 @@ IcosphereRemesher::IcosphereRemesher(int frequency)
     rank_[static_cast<size_t>(order_[i])] = static_cast<int>(i);
 }
 
-Remeshed IcosphereRemesher::remesh(const ClosedSurface& surface, const SphereMap& map) const {
-  return sphere_propagation::remesh(surface, map, sphere_.vertices);
+Remeshed IcosphereRemesher::remesh(const MappedSurface& surface) const {
+  return sphere_propagation::remesh(surface, sphere_.vertices);
 }
 
-SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const ClosedSurface& surface,
-                                            const SphereMap& map) const {
+SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const MappedSurface& mapped) const {
+  const ClosedSurface& surface = mapped.surface();
   DistanceHints hints;
   hints.landmarksOnSurface = true;
   hints.landmarkFaces = order_;
-  hints.nearVertex = icosphereFaces(surface, map, connected_);
+  hints.nearVertex = icosphereFaces(mapped, connected_);
 
   // The surface's faces in the order of the icosphere's faces under their first corners: a counting
   // sort.

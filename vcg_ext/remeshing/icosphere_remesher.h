@@ -19,13 +19,12 @@ class IcosphereRemesher {
   const Icosphere& sphere() const { return sphere_; }
 
   /// remesh by the vertices of the icosphere.
-  Remeshed remesh(const ClosedSurface& surface, const SphereMap& map) const;
+  Remeshed remesh(const MappedSurface& surface) const;
 
   /// surfaceDistance between a surface and the landmarks that remesh made of it. The map tells
   /// where to look: the closest point lies near the one under the same direction, and the
   /// icosphere's order of faces is one of the surface's, too, so that no tree has to be sorted.
-  SurfaceDistance distance(const Remeshed& remeshed, const ClosedSurface& surface,
-                           const SphereMap& map) const;
+  SurfaceDistance distance(const Remeshed& remeshed, const MappedSurface& mapped) const;
 
  private:
   Icosphere sphere_;

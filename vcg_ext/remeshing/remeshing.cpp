@@ -37,14 +37,14 @@ int hint(const std::vector<int>& hints, Eigen::Index i) {
 
 }  // namespace
 
-Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points& directions) {
-  SphereWalk walk(surface, map);
+Remeshed remesh(const MappedSurface& surface, const Points& directions) {
+  SphereWalk walk(surface);
   Remeshed result;
   result.landmarks.resize(directions.rows(), 3);
   result.faces.reserve(static_cast<size_t>(directions.rows()));
   for (Eigen::Index j = 0; j < directions.rows(); ++j) {
     const SurfacePoint found = walk.locate(directions.row(j).transpose());
-    result.landmarks.row(j) = found.interpolate(surface.faces(), surface.vertices()).transpose();
+    result.landmarks.row(j) = found.interpolate(surface.faces(), surface.surface().vertices()).transpose();
     result.faces.push_back(found.face);
   }
   return result;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "vcg_ext/mesh/closed_surface.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -23,7 +23,7 @@ struct Remeshed {
 /// directions: #D by 3, any length but zero; icosphere(f).vertices, whose faces then connect the
 /// landmarks. Quickest where each is near the one before. Throws ParameterError when a direction is
 /// zero or not finite.
-Remeshed remesh(const ClosedSurface& surface, const SphereMap& map, const Points& directions);
+Remeshed remesh(const MappedSurface& surface, const Points& directions);
 
 /// Distances between two meshes, in their unit.
 struct SurfaceDistance {

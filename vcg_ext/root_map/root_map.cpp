@@ -29,14 +29,14 @@ RootMapResult mapFrom(InitialMap start, const ClosedSurface& surface, double are
   if (start == InitialMap::Hierarchical) {
     HierarchicalResult result = hierarchicalMap(surface, energyWeights(areaWeight), pool, progress);
     return {
-        SphereMap(surface, std::move(result.positions)), start, result.levels, 0, result.steps, ""};
+        MappedSurface(surface, std::move(result.positions)), start, result.levels, 0, result.steps, ""};
   }
   const Untangled initial =
       untangle(surface, start == InitialMap::Brechbuehler ? brechbuehlerPositions(surface)
                                                           : harmonicPositions(surface));
   constexpr double startsShare = 0.15;  // of the time
   AreaPreservingResult result =
-      makeAreaPreserving(surface, initial.map, {areaWeight}, part(progress, startsShare, 1), &pool);
+      makeAreaPreserving(initial.map, {areaWeight}, part(progress, startsShare, 1), &pool);
   return {std::move(result.map), start, 1, initial.repairedFaces, result.steps, ""};
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "vcg_ext/base/progress.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -28,7 +28,7 @@ struct RootMapParameters {
 };
 
 struct RootMapResult {
-  SphereMap map;
+  MappedSurface map;
   InitialMap used;        ///< never Automatic
   int levels = 0;         ///< of the hierarchy; 1 for the other starts
   int repairedFaces = 0;  ///< of the start: flipped before its repair

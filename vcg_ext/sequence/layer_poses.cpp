@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "vcg_ext/registration/shape_alignment.h"
 #include "vcg_ext/sequence/mirroring.h"
 
 namespace sphere_propagation {
@@ -14,18 +15,18 @@ constexpr double farBetter = 1.6;
 
 /// Whether another pose, or the mirror image, could fit far better than the shape does at this
 /// distance.
-bool mayFitFarBetter(const AlignedShape& shape, const AlignedShape& as, double distance) {
+bool mayFitFarBetter(const PreparedSurface& shape, const PreparedSurface& as, double distance) {
   return distance > nearEnough * as.radius() && distance > farBetter * minShapeDistance(shape, as);
 }
 
 struct FoundPose {
   LayerPose pose;
-  double distance;         // of the shapes, so laid
-  const AlignedShape* as;  // from which that is
+  double distance;            // of the shapes, so laid
+  const PreparedSurface* as;  // from which that is
 };
 
 /// As it lies, or where another one was laid: what was moved with that needs no pose of its own.
-FoundPose poseAsItLies(const AlignedShape& shape, const AlignedShape& as,
+FoundPose poseAsItLies(const PreparedSurface& shape, const PreparedSurface& as,
                        const RigidMotion& asToRoot) {
   FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse()), &as};
   if (!asToRoot.isIdentity()) {
@@ -39,7 +40,8 @@ FoundPose poseAsItLies(const AlignedShape& shape, const AlignedShape& as,
 }
 
 /// The pose relative to a layer that lies well, `as` moved by asToRoot.
-FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const RigidMotion& asToRoot) {
+FoundPose findPose(const PreparedSurface& shape, const PreparedSurface& as,
+                   const RigidMotion& asToRoot) {
   FoundPose found = poseAsItLies(shape, as, asToRoot);
   if (mayFitFarBetter(shape, as, found.distance)) {
     const RigidMotion motion = motionFromAnywhere(shape, as);
@@ -54,49 +56,44 @@ FoundPose findPose(const AlignedShape& shape, const AlignedShape& as, const Rigi
 }
 
 /// Whether the mirror image fits far better than the shape does in the pose found.
-bool isMirrored(const ClosedSurface& surface, const AlignedShape& shape, const FoundPose& found) {
-  const AlignedShape& as = *found.as;
+bool isMirrored(const PreparedSurface& shape, const FoundPose& found) {
+  const PreparedSurface& as = *found.as;
   if (!mayFitFarBetter(shape, as, found.distance)) return false;
-  const AlignedShape mirrored(mirrorImage(surface));
+  const PreparedSurface mirrored(mirrorImage(shape.surface()));
   return found.distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
 }
 
 }  // namespace
 
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
-                                      const PropagationTree& tree, ThreadPool& pool) {
-  return findLayerPoses(surfaces, alignedShapes(surfaces, pool), tree, pool);
-}
-
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
-                                      const std::vector<AlignedShape>& shapes,
-                                      const PropagationTree& tree, ThreadPool& pool) {
-  std::vector<LayerPose> poses(surfaces.size());
+std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const PropagationTree& tree,
+                                      ThreadPool& pool) {
+  sequence.prepare(pool);
+  std::vector<LayerPose> poses(static_cast<size_t>(sequence.size()));
   const std::vector<std::vector<int>> levels = tree.levels();
   const auto find = [&](int t) {
     const int s = tree.parent[static_cast<size_t>(t)];
     const auto i = static_cast<size_t>(t);
+    const PreparedSurface& shape = sequence[t];
     // A parent that was moved lies as well as its alignment made it; an ancestor that was not may
     // tell more.
     int ancestor = s;
     while (poses[static_cast<size_t>(ancestor)].moved)
       ancestor = tree.parent[static_cast<size_t>(ancestor)];
     const auto near = static_cast<size_t>(s), far = static_cast<size_t>(ancestor);
-    FoundPose found = findPose(shapes[i], shapes[far], poses[far].toRoot);
-    if (found.pose.moved && near != far)
-      found = findPose(shapes[i], shapes[near], poses[near].toRoot);
+    FoundPose found = findPose(shape, sequence[ancestor], poses[far].toRoot);
+    if (found.pose.moved && near != far) found = findPose(shape, sequence[s], poses[near].toRoot);
     // Behind a layer that does not belong to the others: where one farther up fits as this one
     // lies, it lies well.
     for (int a = tree.parent[far]; found.pose.moved && a >= 0;
          a = tree.parent[static_cast<size_t>(a)]) {
       const auto up = static_cast<size_t>(a);
-      const FoundPose lies = poseAsItLies(shapes[i], shapes[up], poses[up].toRoot);
-      if (!mayFitFarBetter(shapes[i], shapes[up], lies.distance)) found = lies;
+      const FoundPose lies = poseAsItLies(shape, sequence[a], poses[up].toRoot);
+      if (!mayFitFarBetter(shape, sequence[a], lies.distance)) found = lies;
     }
     LayerPose& pose = poses[i];
     pose = found.pose;
-    pose.mirrored = isMirrored(surfaces[i], shapes[i], found);
-    const Vector3& centre = shapes[i].centre();
+    pose.mirrored = isMirrored(shape, found);
+    const Vector3& centre = shape.centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
   };
@@ -106,8 +103,15 @@ std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces
   return poses;
 }
 
-ClosedSurface movedSurface(const ClosedSurface& surface, const RigidMotion& motion) {
-  return {motion.applyTo(surface.vertices()), surface.faces(), surface.name()};
+Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<LayerPose>& poses) {
+  Sequence laid = sequence;
+  for (int i = 0; i < sequence.size(); ++i) {
+    const RigidMotion& motion = poses[static_cast<size_t>(i)].toRoot;
+    if (motion.isIdentity()) continue;
+    const ClosedSurface& surface = sequence.surface(i);
+    laid = laid.with(i, surface.withVertices(motion.applyTo(surface.vertices())));
+  }
+  return laid;
 }
 
 }  // namespace sphere_propagation

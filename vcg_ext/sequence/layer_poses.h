@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "vcg_ext/base/thread_pool.h"
-#include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/registration/rigid_alignment.h"
-#include "vcg_ext/registration/shape_alignment.h"
 #include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
 
 namespace sphere_propagation {
 
@@ -28,22 +27,17 @@ struct LayerPose {
       false;  ///< whether its mirror image fits its parent far better: a left one among right ones
 };
 
-/// surfaces: the layers; tree: one entry per layer; a layer's pose is found relative to its
+/// tree: one entry per layer of the sequence; a layer's pose is found relative to its
 /// parent's. Distances of shapes are those of shape_alignment.h: a layer within 0.05 R of its
 /// parent (R: the radius of the sphere of its area) is as it should be; of others the best of many
 /// poses counts where it makes the distance at least 1.6 times smaller (over a heart's cycle,
 /// neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for where a
 /// difference of volumes alone rules that out. pool: who does the work, with the same result
 /// whatever the number of threads.
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
-                                      const PropagationTree& tree, ThreadPool& pool);
+std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const PropagationTree& tree,
+                                      ThreadPool& pool);
 
-/// The same where alignedShapes(surfaces) are there already.
-std::vector<LayerPose> findLayerPoses(const std::vector<ClosedSurface>& surfaces,
-                                      const std::vector<AlignedShape>& shapes,
-                                      const PropagationTree& tree, ThreadPool& pool);
-
-/// The surface moved.
-ClosedSurface movedSurface(const ClosedSurface& surface, const RigidMotion& motion);
+/// The sequence with every layer that lies elsewhere laid where it would lie in the root's frame.
+Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<LayerPose>& poses);
 
 }  // namespace sphere_propagation

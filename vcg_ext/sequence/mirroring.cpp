@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "vcg_ext/registration/prepared_surface.h"
 #include "vcg_ext/registration/shape_alignment.h"
 
 namespace sphere_propagation {
@@ -28,19 +29,21 @@ ClosedSurface mirrorImage(const ClosedSurface& surface, double plane) {
   return {std::move(vertices), std::move(faces), surface.name()};
 }
 
-std::vector<std::optional<double>> findMirrorPlanes(const std::vector<ClosedSurface>& surfaces,
+std::vector<std::optional<double>> findMirrorPlanes(const Sequence& sequence,
                                                     const PropagationTree& tree, ThreadPool& pool) {
-  std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
-  std::vector<std::optional<double>> planes(surfaces.size());
+  sequence.prepare(pool);
+  std::vector<PreparedSurface> shapes;  // as they will be
+  for (int i = 0; i < sequence.size(); ++i) shapes.push_back(sequence[i]);
+  std::vector<std::optional<double>> planes(shapes.size());
   const auto look = [&](int layer) {
     const auto i = static_cast<size_t>(layer);
-    const AlignedShape& parent = shapes[static_cast<size_t>(tree.parent[i])];  // as it will be
+    const PreparedSurface& parent = shapes[static_cast<size_t>(tree.parent[i])];
     const double asItLies = shapeDistance(shapes[i], parent);
     if (asItLies < hardlyDifferent * parent.radius()) return;
     const double itself =
         std::min(asItLies, shapeDistance(shapes[i], parent, motionFromAnywhere(shapes[i], parent)));
     const double plane = shapes[i].centre()[0];
-    AlignedShape image(mirrorImage(surfaces[i], plane));
+    PreparedSurface image(mirrorImage(shapes[i].surface(), plane));
     const double mirrored = shapeDistance(image, parent, motionFromAnywhere(image, parent));
     if (!(itself > clearlyBetter * mirrored)) return;
     if (mirrored > recognisable * std::min(image.radius(), parent.radius())) return;
@@ -52,6 +55,26 @@ std::vector<std::optional<double>> findMirrorPlanes(const std::vector<ClosedSurf
     pool.forEach(static_cast<int>(levels[level].size()),
                  [&](int k) { look(levels[level][static_cast<size_t>(k)]); });
   return planes;
+}
+
+ReflectedSequence reflectMirrorImages(const Sequence& sequence, const PropagationOrder& order,
+                                      int root, ThreadPool& pool) {
+  ReflectedSequence result{sequence, {}, makeTree(order, sequence, root, pool)};
+  result.planes.resize(static_cast<size_t>(sequence.size()));
+  for (bool found = true; found;) {
+    found = false;
+    const std::vector<std::optional<double>> planes =
+        findMirrorPlanes(result.sequence, result.tree, pool);
+    for (int i = 0; i < sequence.size(); ++i) {
+      const auto k = static_cast<size_t>(i);
+      if (!planes[k] || result.planes[k]) continue;
+      result.planes[k] = planes[k];
+      result.sequence = result.sequence.with(i, mirrorImage(sequence.surface(i), *planes[k]));
+      found = order.goesByShape();
+    }
+    if (found) result.tree = makeTree(order, result.sequence, root, pool);
+  }
+  return result;
 }
 
 }  // namespace sphere_propagation

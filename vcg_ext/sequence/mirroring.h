@@ -9,7 +9,9 @@
 
 #include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/sequence/propagation_order.h"
 #include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
 
 namespace sphere_propagation {
 
@@ -26,7 +28,19 @@ ClosedSurface mirrorImage(const ClosedSurface& surface, double plane = 0);
 /// first where it is one: so a left bone behind a left bone is found as well, and a right one
 /// behind it is not. The root is none. What is its own mirror image, as skulls are nearly, stays.
 /// Where shapes differ much more than left and right do, it cannot be told, and they stay too.
-std::vector<std::optional<double>> findMirrorPlanes(const std::vector<ClosedSurface>& surfaces,
+std::vector<std::optional<double>> findMirrorPlanes(const Sequence& sequence,
                                                     const PropagationTree& tree, ThreadPool& pool);
+
+struct ReflectedSequence {
+  Sequence sequence;                          ///< with those layers reflected
+  std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
+  PropagationTree tree;                       ///< of the order, for the sequence as it is now
+};
+
+/// Reflects the layers that findMirrorPlanes finds. Where the order goes by shape, which shapes are
+/// alike may be another matter then: tree and search are made again until nothing is found. No
+/// layer is reflected twice.
+ReflectedSequence reflectMirrorImages(const Sequence& sequence, const PropagationOrder& order,
+                                      int root, ThreadPool& pool);
 
 }  // namespace sphere_propagation

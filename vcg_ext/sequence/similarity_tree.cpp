@@ -10,20 +10,19 @@
 namespace sphere_propagation {
 namespace {
 
-double distanceBetween(const AlignedShape& a, const AlignedShape& b) {
+double distanceBetween(const PreparedSurface& a, const PreparedSurface& b) {
   return shapeDistance(a, b, motionByAxes(a, b));
 }
 
 }  // namespace
 
-Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool) {
-  const std::vector<AlignedShape> shapes = alignedShapes(surfaces, pool);
-  const auto count = static_cast<int>(shapes.size());
+Eigen::MatrixXd shapeDistances(const Sequence& sequence, ThreadPool& pool) {
+  sequence.prepare(pool);
+  const int count = sequence.size();
   Eigen::MatrixXd distances = Eigen::MatrixXd::Zero(count, count);
   pool.forEach(count, [&](int i) {
     for (int j = 0; j < i; ++j)
-      distances(i, j) = distances(j, i) =
-          distanceBetween(shapes[static_cast<size_t>(i)], shapes[static_cast<size_t>(j)]);
+      distances(i, j) = distances(j, i) = distanceBetween(sequence[i], sequence[j]);
   });
   return distances;
 }
@@ -56,10 +55,9 @@ PropagationTree minimumSpanningTree(const Eigen::MatrixXd& distances, int root) 
   return tree;
 }
 
-SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root,
-                              ThreadPool& pool) {
-  star(static_cast<int>(surfaces.size()), root);  // checks the root before the work
-  Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
+SimilarityTree similarityTree(const Sequence& sequence, int root, ThreadPool& pool) {
+  star(sequence.size(), root);  // checks the root before the work
+  Eigen::MatrixXd distances = shapeDistances(sequence, pool);
   PropagationTree tree = minimumSpanningTree(distances, root);
   return {std::move(tree), std::move(distances)};
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "vcg_ext/base/thread_pool.h"
-#include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
 
 namespace sphere_propagation {
 
@@ -22,7 +22,7 @@ namespace sphere_propagation {
 /// principal axes. Scale counts, rotation and translation do not. Deterministic. 30 layers of 5000
 /// vertices take less than a second. pool: who does the work, with the same result whatever the
 /// number of threads.
-Eigen::MatrixXd shapeDistances(const std::vector<ClosedSurface>& surfaces, ThreadPool& pool);
+Eigen::MatrixXd shapeDistances(const Sequence& sequence, ThreadPool& pool);
 
 /// The tree of least total distance (R. C. Prim, Shortest connection networks and some
 /// generalizations, 1957), grown from the root; of equal distances the smallest layer goes first,
@@ -37,7 +37,6 @@ struct SimilarityTree {
 };
 
 /// minimumSpanningTree of shapeDistances. Throws ParameterError when the root is no layer.
-SimilarityTree similarityTree(const std::vector<ClosedSurface>& surfaces, int root,
-                              ThreadPool& pool);
+SimilarityTree similarityTree(const Sequence& sequence, int root, ThreadPool& pool);
 
 }  // namespace sphere_propagation

@@ -61,8 +61,8 @@ struct RayQuery {
 
 }  // namespace
 
-SphereLocator::SphereLocator(const ClosedSurface& surface, const SphereMap& map)
-    : tree_(map.positions(), surface.faces(), margin) {}
+SphereLocator::SphereLocator(const MappedSurface& surface)
+    : tree_(surface.positions(), surface.faces(), margin) {}
 
 SurfacePoint SphereLocator::locate(const Vector3& direction) const {
   RayQuery query(tree_, unitDirection(direction));

@@ -2,10 +2,9 @@
 #pragma once
 /// Point location on the sphere: the inverse of a map.
 
-#include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/face_tree.h"
 #include "vcg_ext/mesh/surface_locator.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -17,7 +16,7 @@ namespace sphere_propagation {
 /// one, be it a pole, a vertex or on an edge.
 class SphereLocator {
  public:
-  SphereLocator(const ClosedSurface& surface, const SphereMap& map);
+  explicit SphereLocator(const MappedSurface& surface);
 
   /// direction: any length but zero. Returns face and barycentric weights w (none negative, sum 1)
   /// with w_0 a + w_1 b + w_2 c along `direction`, for the sphere positions a, b, c of its corners;

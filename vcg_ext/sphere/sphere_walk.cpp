@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vcg_ext/sphere/ray_weights.h"
 
@@ -43,19 +44,18 @@ int walkOverSphere(const ClosedSurface& surface, const Points& positions, const 
   return walk(surface, positions, direction, start).face;
 }
 
-SphereWalk::SphereWalk(const ClosedSurface& surface, const SphereMap& map)
-    : surface_(surface), map_(map) {}
+SphereWalk::SphereWalk(MappedSurface surface) : surface_(std::move(surface)) {}
 
 SurfacePoint SphereWalk::locate(const Vector3& direction) {
   const Vector3 p = unitDirection(direction);
-  const Arrival arrival = walk(surface_, map_.positions(), p, at_);
+  const Arrival arrival = walk(surface_.surface(), surface_.positions(), p, at_);
   at_ = arrival.face;
   double farthest = 0;
   for (int k = 0; k < 3; ++k)
-    farthest = std::max(farthest, (map_.position(surface_.faces()(at_, k)) - p).squaredNorm());
+    farthest = std::max(farthest, (surface_.position(surface_.faces()(at_, k)) - p).squaredNorm());
   if (arrival.inside && arrival.weights.minCoeff() > rounding * farthest)
     return pointOfRay(at_, arrival.weights);
-  if (!locator_) locator_.emplace(surface_, map_);
+  if (!locator_) locator_.emplace(surface_);
   SurfacePoint found = locator_->locate(direction);
   at_ = found.face;
   return found;

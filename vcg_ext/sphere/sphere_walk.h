@@ -6,7 +6,7 @@
 
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/sphere/sphere_locator.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -19,14 +19,13 @@ namespace sphere_propagation {
 /// Keeps references to what it is given, and where it is: one walk per thread.
 class SphereWalk {
  public:
-  SphereWalk(const ClosedSurface& surface, const SphereMap& map);
+  explicit SphereWalk(MappedSurface surface);
 
   /// The same answer as SphereLocator::locate, and the same error.
   SurfacePoint locate(const Vector3& direction);
 
  private:
-  const ClosedSurface& surface_;
-  const SphereMap& map_;
+  MappedSurface surface_;
   int at_ = 0;
   std::optional<SphereLocator> locator_;
 };

@@ -2,11 +2,9 @@
 #include "vcg_ext/propagation/aligned/aligned_propagation.h"
 
 #include <Eigen/Cholesky>
-#include <utility>
 
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/surface_locator.h"
-#include "vcg_ext/propagation/transfer/map_transfer.h"
 #include "vcg_ext/registration/rigid_alignment.h"
 
 namespace sphere_propagation {
@@ -73,12 +71,8 @@ Points alignedVertices(const ClosedSurface& reference, const ClosedSurface& targ
 
 }  // namespace
 
-RobustPropagation propagateRobustly(const ClosedSurface& reference, const SphereMap& referenceMap,
-                                    const ClosedSurface& target) {
-  TransferredMap read =
-      transferMap(reference, referenceMap, alignedVertices(reference, target), target);
-  return {std::move(read.map), read.repairedFaces, read.residual.mean, read.residual.p95,
-          std::move(read.distances)};
+TransferredMap propagateAligned(const MappedSurface& reference, const ClosedSurface& target) {
+  return transferMap(reference, alignedVertices(reference.surface(), target), target);
 }
 
 }  // namespace sphere_propagation

@@ -6,12 +6,11 @@
 
 namespace sphere_propagation {
 
-std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model,
-                                              const std::vector<MotionTarget>& targets,
+std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Sequence& sequence,
                                               const ClosedCycle& cycle, const MotionFit& fit,
                                               const MotionPrior& prior, ThreadPool& pool) {
   const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
-  std::vector<Eigen::VectorXd> around(targets.size(), Eigen::VectorXd::Zero(MotionModel::columns));
+  std::vector<Eigen::VectorXd> around(brought.size(), Eigen::VectorXd::Zero(MotionModel::columns));
   pool.forEach(2, [&](int chain) {
     // The branch's last layer that was not lost; the root never is.
     const size_t layers = cycle.layers.size();
@@ -24,12 +23,12 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model,
       // It starts beside what the tree brought to the layer, as far as it was beside it before: the
       // nodes lie on the layer then, and one iteration does.
       if (!fit.lost[from] && !fit.lost[to]) {
-        here = fitArcAgain(model, targets[to], here, prior, brought[to] - brought[from],
+        here = fitArcAgain(model, sequence[end], here, prior, brought[to] - brought[from],
                            {fit.equations[to].matrix, fit.factors[to]});
         around[to] = here;
         continue;
       }
-      ArcFit arc = fitArc(model, targets[to], here, prior);
+      ArcFit arc = fitArc(model, sequence[end], here, prior);
       around[to] = arc.coefficients;
       if (!fit.lost[to])
         here = std::move(arc.coefficients);  // what does not belong to the others leads nowhere
@@ -40,8 +39,7 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model,
 
 double forwardShare(int step, int layers) { return 0.75 - 0.5 * step / layers; }
 
-std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model,
-                                               const std::vector<MotionTarget>& targets,
+std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const Sequence& sequence,
                                                const ClosedCycle& cycle,
                                                const std::vector<Eigen::VectorXd>& brought,
                                                const std::vector<Eigen::VectorXd>& otherWayRound) {
@@ -51,7 +49,9 @@ std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model,
     const auto t = static_cast<size_t>(cycle.layers[static_cast<size_t>(step)]);
     const Eigen::VectorXd apart = otherWayRound[t] - brought[t];
     const Points nodesApart = model.movedNodes(apart) - model.nodes();
-    if (!(nodesApart.rowwise().norm().mean() <= maxApartInEdges * targets[t].meanEdge)) continue;
+    if (!(nodesApart.rowwise().norm().mean() <=
+          maxEdgesApart * sequence[static_cast<int>(t)].meanEdge()))
+      continue;
     const double forward = forwardShare(step, layers);
     average[t] += (step <= cycle.forward ? 1 - forward : forward) * apart;
   }

@@ -16,17 +16,12 @@
 
 namespace sphere_propagation {
 
-/// The chains are averaged where the nodes lie at most this far apart on average, in mean edge
-/// lengths of the layer.
-constexpr double maxApartInEdges = 2;
-
 /// Carries each branch on to the layers of the other one, the arcs in the order of the cycle.
-/// cycle: closedCycle() of the tree, not empty; targets: the layers; fit: of the tree; prior: of
+/// cycle: closedCycle() of the tree, not empty; sequence: the layers; fit: of the tree; prior: of
 /// that fit. pool: the two chains do not need each other. What the fit lost is of no use to start
 /// with, so it takes three iterations instead of one to go there. Returns the coefficients that
 /// come to each layer the other way round; zero at the root.
-std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model,
-                                              const std::vector<MotionTarget>& targets,
+std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Sequence& sequence,
                                               const ClosedCycle& cycle, const MotionFit& fit,
                                               const MotionPrior& prior, ThreadPool& pool);
 
@@ -36,10 +31,9 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model,
 /// which no chain is the freer of for being shorter.
 double forwardShare(int step, int layers);
 
-/// Averages the two where both are there and they agree (maxApartInEdges); elsewhere what the tree
+/// Averages the two where both are there and they agree (maxEdgesApart); elsewhere what the tree
 /// brought.
-std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model,
-                                               const std::vector<MotionTarget>& targets,
+std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const Sequence& sequence,
                                                const ClosedCycle& cycle,
                                                const std::vector<Eigen::VectorXd>& brought,
                                                const std::vector<Eigen::VectorXd>& otherWayRound);

@@ -3,68 +3,32 @@
 /// Fitting a motion model to a sequence of surfaces, one arc of a propagation tree after the other.
 ///
 /// From layer s to layer t, c_t minimises
-///   sum_i A_i w_i (m_i . (x_i(c_t) - p_i))^2 (A0/2) / (kappa At^2)  +  (c_t - c_s)^T Sigma^-1 (c_t
-///   - c_s),
+///   sum_i A_i w_i (m_i . (x_i(c_t) - p_i))^2 (A0/2) / (kappa At^2)
+///     + (c_t - c_s)^T Sigma^-1 (c_t - c_s),
 /// p_i the closest point of layer t whose face normal agrees with the template's normal, m_i the
 /// layer's normal there, w_i a robust weight, A0 and At the mean vertex areas of the moving surface
-/// and of the layer. Point to plane only: where a surface slides along itself, the prior Sigma
-/// decides. c counts in units of sqrt(A0/2), so that Sigma has no unit.
+/// and of the layer. At is the layer's area over its vertices, or over the geometric mean of their
+/// number and 3000 where it has fewer. Point to plane only: where a surface slides along itself,
+/// the prior Sigma decides. c counts in units of sqrt(A0/2), so that Sigma has no unit.
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
-#include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/propagation/motion/motion_model.h"
+#include "vcg_ext/propagation/motion/motion_prior.h"
 #include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
 
 namespace sphere_propagation {
-
-/// Variances of the four blocks of coefficients.
-struct MotionVariances {
-  double local = 1, translation = 1, strain = 1, rotation = 1;
-  /// One entry per column of the model.
-  Eigen::VectorXd diagonal() const;
-};
-
-/// What is expected of an arc before its layer is seen.
-struct MotionPrior {
-  Eigen::MatrixXd precision;  ///< Sigma^-1, columns by columns
-  double noise = 6;           ///< kappa
-};
-
-/// The prior where nothing can be learnt: too few layers, or no order in time.
-MotionPrior fixedMotionPrior();
 
 /// Normal equations of an arc's data term, linearised where its fit ended: H (c - c_s) = h.
 struct ArcEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd vector;
 };
-
-/// A layer, ready to be fitted to. The surface must outlive it.
-struct MotionTarget {
-  /// locatorOfLayer: null: one is made.
-  explicit MotionTarget(const ClosedSurface& layer,
-                        std::shared_ptr<const SurfaceLocator> locatorOfLayer = nullptr);
-
-  const ClosedSurface* surface;
-  std::shared_ptr<const SurfaceLocator> locator;
-  Points normals;  ///< of the vertices
-  /// At: the layer's area over its vertices, or over the geometric mean of their number and 3000
-  /// where it has fewer.
-  double meanVertexArea;
-  double meanEdge;
-};
-
-/// Locators of layers: one entry per layer, null where there is none; or empty.
-using LayerLocators = std::vector<std::shared_ptr<const SurfaceLocator>>;
-
-std::vector<MotionTarget> motionTargets(const std::vector<ClosedSurface>& surfaces,
-                                        ThreadPool& pool, const LayerLocators& locators = {});
 
 struct ArcFit {
   Eigen::VectorXd coefficients;
@@ -82,9 +46,9 @@ constexpr int arcIterations = 3, arcIterationsAgain = 2;
 /// that it comes from; start: what to add to them to begin with, when H is that of the first
 /// iteration throughout, as it says how far to step, not where to; or of size 0: nothing, when H is
 /// computed at each.
-ArcFit fitArc(const MotionModel& model, const MotionTarget& target, const Eigen::VectorXd& before,
-              const MotionPrior& prior, const Eigen::VectorXd& start = {},
-              int iterations = arcIterations);
+ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
+              const Eigen::VectorXd& before, const MotionPrior& prior,
+              const Eigen::VectorXd& start = {}, int iterations = arcIterations);
 
 /// What a fit to a layer leaves for another one to the same layer with the same prior.
 struct ArcSystem {
@@ -93,49 +57,34 @@ struct ArcSystem {
 };
 
 /// One iteration from a good start, with the H of another fit. Returns the coefficients.
-Eigen::VectorXd fitArcAgain(const MotionModel& model, const MotionTarget& target,
+Eigen::VectorXd fitArcAgain(const MotionModel& model, const PreparedSurface& target,
                             const Eigen::VectorXd& before, const MotionPrior& prior,
                             const Eigen::VectorXd& start, const ArcSystem& system);
 
+/// What lies farther apart than this, in mean edge lengths of the layer and on average, does not
+/// belong together: a fit that leaves its nodes farther off has lost the layer, and so has one that
+/// leaves the layer's vertices farther off; two motions that differ by more are not averaged.
+constexpr double maxEdgesApart = 2;
+
 struct MotionFit {
-  std::vector<Eigen::VectorXd> coefficients;  ///< of each layer; zero at the root
-  std::vector<ArcEquations> equations;        ///< of each layer; empty at the root
-  std::vector<Eigen::LLT<Eigen::MatrixXd>>
-      factors;  ///< of H + Sigma^-1 of each layer; empty at the root
-  /// Of each layer, whether the nodes lie farther off than this. The layers behind it come from the
+  std::vector<Eigen::VectorXd> coefficients;         ///< of each layer; zero at the root
+  std::vector<ArcEquations> equations;               ///< of each layer; empty at the root
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;  ///< of H + Sigma^-1; empty at the root
+  /// Of each layer, whether the fit lost it (maxEdgesApart). The layers behind it come from the
   /// nearest one up the tree that is not lost.
   std::vector<char> lost;
 };
-constexpr double maxDistanceInEdges =
-    2;  ///< mean edge lengths of the layer, on average over the nodes
 
-/// Fits all layers of a tree. targets: the layers; tree: with the moving surface as root. pool: who
-/// does the work; layers equally far from the root are fitted at once, with the same result.
-MotionFit fitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets,
-                    const PropagationTree& tree, const MotionPrior& prior, ThreadPool& pool,
-                    const Progress& progress = {});
+/// Fits all layers of a tree. sequence: the layers; tree: with the moving surface as root. pool:
+/// who does the work; layers equally far from the root are fitted at once, with the same result.
+MotionFit fitMotion(const MotionModel& model, const Sequence& sequence, const PropagationTree& tree,
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {});
 
 /// The same where the layers were fitted with another prior: each arc starts with the step that it
 /// took there, so two iterations do. earlier: the coefficients of that fit.
-MotionFit refitMotion(const MotionModel& model, const std::vector<MotionTarget>& targets,
+MotionFit refitMotion(const MotionModel& model, const Sequence& sequence,
                       const PropagationTree& tree, const MotionPrior& prior,
                       const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,
                       const Progress& progress = {});
-
-/// The prior learnt from the sequence itself.
-struct LearntPrior {
-  MotionPrior prior;
-  MotionVariances variances;                  ///< that it was drawn towards
-  std::vector<Eigen::VectorXd> coefficients;  ///< of the fit that it was learnt from
-};
-
-/// Learns how much this sequence translates, strains and rotates from arc to arc, then the full
-/// covariance: (1) a fit with a wide prior; (2) expectation-maximisation of the three affine
-/// variances over its arcs, the local coefficients integrated out and the noise tempered; (3) of
-/// the full covariance, drawn towards (2), where what an arc leaves uncertain is taken from the
-/// mean of all arcs' equations. For sequences in time of about a dozen layers or more.
-LearntPrior learnMotionPrior(const MotionModel& model, const std::vector<MotionTarget>& targets,
-                             const PropagationTree& tree, ThreadPool& pool,
-                             const Progress& progress = {});
 
 }  // namespace sphere_propagation

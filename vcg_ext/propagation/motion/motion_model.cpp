@@ -77,11 +77,11 @@ Eigen::VectorXd inSingle(const Eigen::VectorXd& lengths, const Function& functio
 
 }  // namespace
 
-MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map)
-    : vertices_(surface.vertices()) {
+MotionModel::MotionModel(const MappedSurface& root) : vertices_(root.surface().vertices()) {
+  const ClosedSurface& surface = root.surface();
   const Icosphere sphere = icosphere(frequency);
   faces_ = sphere.faces;
-  const SphereLocator surfaceUnder(surface, map);
+  const SphereLocator surfaceUnder(root);
   nodes_.resize(sphere.vertices.rows(), 3);
   for (Eigen::Index i = 0; i < nodes_.rows(); ++i)
     nodes_.row(i) = surfaceUnder.locate(sphere.vertices.row(i).transpose())
@@ -98,10 +98,10 @@ MotionModel::MotionModel(const ClosedSurface& surface, const SphereMap& map)
   arms_ = (nodes_.rowwise() - centre) / radius;
 
   const ClosedSurface icosphereSurface(sphere.vertices, sphere.faces, "icosphere");
-  const SphereLocator templateUnder(icosphereSurface, SphereMap(icosphereSurface, sphere.vertices));
+  const SphereLocator templateUnder(MappedSurface(icosphereSurface, sphere.vertices));
   site_.reserve(static_cast<size_t>(surface.vertexCount()));
   for (int v = 0; v < surface.vertexCount(); ++v)
-    site_.push_back(templateUnder.locate(map.position(v)));
+    site_.push_back(templateUnder.locate(root.position(v)));
 }
 
 void MotionModel::project(int i, const Vector3& m, double* row) const {

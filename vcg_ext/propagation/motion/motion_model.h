@@ -30,7 +30,7 @@
 #include "vcg_ext/base/dense_kernels.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_locator.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -43,8 +43,8 @@ class MotionModel {
   static constexpr int affineColumns = translationColumns + strainColumns + rotationColumns;
   static constexpr int columns = localColumns + affineColumns;
 
-  /// surface: the one that moves; map: its map.
-  MotionModel(const ClosedSurface& surface, const SphereMap& map);
+  /// root: the surface that moves, with its map.
+  explicit MotionModel(const MappedSurface& root);
 
   const Points& nodes() const { return nodes_; }     ///< X, #N by 3
   const Triangles& faces() const { return faces_; }  ///< of the template

@@ -7,23 +7,20 @@
 /// fitted along the tree (motion_fit.h), and the layer's map is read off the moved root
 /// (map_transfer.h). Nothing is resampled on the way, so nothing is lost but what the fits lose;
 /// and what surfaces cannot show, how they slide along themselves, is decided by a prior that is
-/// learnt from the sequence where it is long enough.
+/// learnt from the sequence where it is long enough (motion_learning.h).
 
 #include <optional>
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
-#include "vcg_ext/propagation/motion/motion_fit.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/propagation/motion/motion_prior.h"
 #include "vcg_ext/propagation/transfer/map_transfer.h"
 #include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
-
-/// The least number of arcs that a prior is learnt from.
-constexpr int minArcsToLearnFrom = 11;
-/// A fit that leaves the layer's vertices farther off on average, in mean edge lengths of the
-/// layer, has lost it.
-constexpr double maxResidualInEdges = 2;
 
 struct FollowedLayer {
   TransferredMap transferred;
@@ -32,27 +29,26 @@ struct FollowedLayer {
 
 /// Two maps of the layer where a closing arc ends.
 struct ClosingMaps {
-  SphereMap carried;  ///< that the arc carries there
-  SphereMap brought;  ///< that the tree brings there, nothing averaged
+  MappedSurface carried;  ///< that the arc carries there
+  MappedSurface brought;  ///< that the tree brings there, nothing averaged
 };
 
 struct FollowedMotion {
   /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too
-  /// large, or its map cannot be repaired. In a cycle, only where both ways round are lost.
+  /// large (maxEdgesApart), or its map cannot be repaired. In a cycle, only where both ways round
+  /// are lost.
   std::vector<std::optional<FollowedLayer>> layers;
-  std::optional<MotionVariances>
-      learnt;  ///< where a prior was learnt, in units of half the root's mean vertex area
-  std::optional<ClosingMaps> closing;  ///< empty where one of them is lost
+  std::optional<MotionVariances> learnt;  ///< where a prior was learnt
+  std::optional<ClosingMaps> closing;     ///< empty where one of them is lost
   int averaged = 0;  ///< layers where both ways round a cycle agree, and are averaged
 };
 
-/// surfaces: the layers; rootMap: the map of surfaces[tree.root()]; tree: one entry per layer;
-/// pool: who does the work, with the same result whatever the number of threads; closing: an arc
-/// beside the tree. Where the two make a cycle of all layers, each layer's motion is the average of
-/// both ways round (motion_cycle.h), and what one way loses comes the other way.
-FollowedMotion followMotion(const std::vector<ClosedSurface>& surfaces, const SphereMap& rootMap,
+/// sequence: the layers, in one frame; root: the map of the tree's root among them; tree: one entry
+/// per layer; pool: who does the work, with the same result whatever the number of threads;
+/// closing: an arc beside the tree. Where the two make a cycle of all layers, each layer's motion
+/// is the average of both ways round (motion_cycle.h), and what one way loses comes the other way.
+FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool,
-                            const Progress& progress = {}, const std::optional<Arc>& closing = {},
-                            const LayerLocators& locators = {});
+                            const Progress& progress = {}, const std::optional<Arc>& closing = {});
 
 }  // namespace sphere_propagation

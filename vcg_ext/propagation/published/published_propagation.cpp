@@ -169,20 +169,14 @@ Points smoothOnSphere(const ClosedSurface& surface, const Points& positions, int
   return before;
 }
 
-PublishedPropagation propagateAsPublished(const ClosedSurface& reference,
-                                          const SphereMap& referenceMap,
-                                          const ClosedSurface& target,
-                                          const PublishedParameters& parameters) {
-  if (referenceMap.positions().rows() != reference.vertexCount())
-    throw ParameterError("Layer \"" + reference.name() + "\" has " +
-                         std::to_string(reference.vertexCount()) +
-                         " vertices, but the map that is given as its has " +
-                         std::to_string(referenceMap.positions().rows()) + " positions.");
+TransferredMap propagateAsPublished(const MappedSurface& from, const ClosedSurface& target,
+                                    const PublishedParameters& parameters) {
+  const ClosedSurface& reference = from.surface();
   const VertexLocator referenceVertices(reference.vertices());
   const Points aligned = alignedVertices(target, referenceVertices, parameters);
   const std::vector<VertexPair> pairs = mutualNearest(VertexLocator(aligned), referenceVertices);
   const FixedNodes nodes = releaseInwardTriangles(
-      target.faces(), fixNodes(target.vertexCount(), pairs, referenceMap.positions()));
+      target.faces(), fixNodes(target.vertexCount(), pairs, from.positions()));
   if (nodes.count() == 0)
     throw PropagationError(
         "Layer \"" + target.name() + "\" corresponds nowhere to layer \"" + reference.name() +
@@ -194,8 +188,7 @@ PublishedPropagation propagateAsPublished(const ClosedSurface& reference,
   Untangled repaired = mend(target, positions);
   std::vector<double> distances = distancesFrom(reference, aligned);
   const Residual residual = residualOf(distances);
-  return {std::move(repaired.map), repaired.repairedFaces, residual.mean, residual.p95,
-          nodes.count(),           std::move(distances)};
+  return {std::move(repaired.map), repaired.repairedFaces, residual, std::move(distances)};
 }
 
 }  // namespace sphere_propagation

@@ -20,7 +20,8 @@
 
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/published/mutual_nearest.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/propagation/transfer/map_transfer.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -68,24 +69,13 @@ struct PublishedParameters {
   int smoothingSweeps = 50;  ///< step 4f; >= 0
 };
 
-struct PublishedPropagation {
-  SphereMap map;          ///< of the target, valid
-  int repairedFaces = 0;  ///< faces that were flipped after step 4f, before the repair
-  double residualMean =
-      0;  ///< distance of the target's vertices, after steps 4a and 4b, from the reference surface
-  double residualP95 = 0;  ///< the same, 95th percentile; both in the unit of the vertices
-  int fixedNodes = 0;      ///< after step 4d
-  std::vector<double> distances = {};  ///< #V of the target: what the residual is made of
-};
-
 /// One arc of the propagation tree, steps 4a to 4f and the repair.
-/// reference: the surface that has a map, referenceMap: that map; target: the surface that gets
-/// one. Throws ParameterError when referenceMap is no map of the reference or a parameter is out of
+/// reference: the surface that has a map; target: the surface that gets one. The residual is the
+/// distance of the target's vertices, after steps 4a and 4b, from the reference surface;
+/// repairedFaces were flipped after step 4f. Throws ParameterError when a parameter is out of
 /// range, PropagationError, which names both surfaces, when no node is fixed after step 4d, and
 /// MapError when the result cannot be repaired.
-PublishedPropagation propagateAsPublished(const ClosedSurface& reference,
-                                          const SphereMap& referenceMap,
-                                          const ClosedSurface& target,
-                                          const PublishedParameters& parameters = {});
+TransferredMap propagateAsPublished(const MappedSurface& reference, const ClosedSurface& target,
+                                    const PublishedParameters& parameters = {});
 
 }  // namespace sphere_propagation

@@ -5,19 +5,13 @@
 #include <cmath>
 #include <vector>
 
-#include "vcg_ext/base/error.h"
 #include "vcg_ext/sphere/sphere_locator.h"
 
 namespace sphere_propagation {
 
-MapDifference differenceOf(const ClosedSurface& surface, const SphereMap& a, const SphereMap& b) {
-  for (const SphereMap* map : {&a, &b})
-    if (map->positions().rows() != surface.vertexCount())
-      throw ParameterError("Maps of layer \"" + surface.name() +
-                           "\" are compared, but one of them has " +
-                           std::to_string(map->positions().rows()) + " positions for " +
-                           std::to_string(surface.vertexCount()) + " vertices.");
-  const SphereLocator under(surface, b);
+MapDifference differenceOf(const MappedSurface& a, const MappedSurface& b) {
+  const ClosedSurface& surface = a.surface();
+  const SphereLocator under(b.of(surface));
   std::vector<double> distances, angles;
   for (int v = 0; v < surface.vertexCount(); ++v) {
     const Vector3 p = a.position(v), q = b.position(v);

@@ -2,9 +2,8 @@
 #pragma once
 /// How much two maps of one surface differ.
 
-#include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/transfer/residual.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -16,8 +15,8 @@ struct MapDifference {
 
 /// distance is what landmarks would differ by: how far from each vertex, straight through space,
 /// the point lies to which `b` gives the position that the vertex has in `a`. Zero for equal maps;
-/// turning both maps alike changes nothing. a, b: maps of the surface. Throws ParameterError when
-/// one is another surface's.
-MapDifference differenceOf(const ClosedSurface& surface, const SphereMap& a, const SphereMap& b);
+/// turning both maps alike changes nothing. a, b: maps of one surface, that of `a`. Throws
+/// ParameterError when they are maps of surfaces with different faces.
+MapDifference differenceOf(const MappedSurface& a, const MappedSurface& b);
 
 }  // namespace sphere_propagation

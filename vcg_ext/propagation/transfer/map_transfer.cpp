@@ -32,25 +32,20 @@ std::vector<double> minCosines(const ClosedSurface& surface, const Points& verte
   return least;
 }
 
-void requireRows(const ClosedSurface& reference, Eigen::Index rows, const char* what) {
-  if (rows != reference.vertexCount())
+void requireMoved(const ClosedSurface& reference, const Points& movedVertices) {
+  if (movedVertices.rows() != reference.vertexCount())
     throw ParameterError("Layer \"" + reference.name() + "\" has " +
-                         std::to_string(reference.vertexCount()) + " vertices, but the " + what +
-                         " that is given as its has " + std::to_string(rows) + " positions.");
-}
-
-void requireMoved(const ClosedSurface& reference, const SphereMap& referenceMap,
-                  const Points& movedVertices) {
-  requireRows(reference, referenceMap.positions().rows(), "map");
-  requireRows(reference, movedVertices.rows(), "moved shape");
+                         std::to_string(reference.vertexCount()) +
+                         " vertices, but the moved shape that is given as its own has " +
+                         std::to_string(movedVertices.rows()) + " positions.");
   if (!movedVertices.allFinite())
     throw ParameterError("Layer \"" + reference.name() +
                          "\" was moved to positions that are no finite numbers.");
 }
 
 /// locator: of the moved reference.
-TransferredMap readOff(const ClosedSurface& reference, const SphereMap& referenceMap,
-                       const SurfaceLocator& locator, const ClosedSurface& target) {
+TransferredMap readOff(const MappedSurface& reference, const SurfaceLocator& locator,
+                       const ClosedSurface& target) {
   const Points normals = vertexNormals(target.vertices(), target.faces());
   const std::vector<double> cosines = minCosines(target, normals);
   Points positions(target.vertexCount(), 3);
@@ -62,7 +57,7 @@ TransferredMap readOff(const ClosedSurface& reference, const SphereMap& referenc
       point = locator.closest(target.vertex(v), normals.row(v).transpose(), cosines[v], near);
     if (point.face < 0) point = locator.closest(target.vertex(v), near);
     near = point.face;
-    positions.row(v) = point.interpolate(reference.faces(), referenceMap.positions()).transpose();
+    positions.row(v) = point.interpolate(reference.faces(), reference.positions()).transpose();
     distances[v] = point.distance;
   }
   Untangled untangled = mend(target, std::move(positions));  // which normalises first
@@ -72,18 +67,16 @@ TransferredMap readOff(const ClosedSurface& reference, const SphereMap& referenc
 
 }  // namespace
 
-TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
-                           const Points& movedVertices, const ClosedSurface& target) {
-  requireMoved(reference, referenceMap, movedVertices);
-  return readOff(reference, referenceMap, SurfaceLocator(movedVertices, reference.faces()), target);
+TransferredMap transferMap(const MappedSurface& reference, const Points& movedVertices,
+                           const ClosedSurface& target) {
+  requireMoved(reference.surface(), movedVertices);
+  return readOff(reference, SurfaceLocator(movedVertices, reference.faces()), target);
 }
 
-TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
-                           const Points& movedVertices, const ClosedSurface& target,
-                           const std::vector<int>& order) {
-  requireMoved(reference, referenceMap, movedVertices);
-  return readOff(reference, referenceMap, SurfaceLocator(movedVertices, reference.faces(), order),
-                 target);
+TransferredMap transferMap(const MappedSurface& reference, const Points& movedVertices,
+                           const ClosedSurface& target, const std::vector<int>& order) {
+  requireMoved(reference.surface(), movedVertices);
+  return readOff(reference, SurfaceLocator(movedVertices, reference.faces(), order), target);
 }
 
 }  // namespace sphere_propagation

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Reading a map off a reference that was moved onto another surface, however it was moved.
+/// What an arc of propagation ends in, however it was made; and the way it is made most often: a
+/// map is read off a reference that was moved onto another surface.
 
 #include <vector>
 
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/propagation/transfer/residual.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
+/// A map that came to a surface from another one.
 struct TransferredMap {
   SphereMap map;          ///< of the target, valid
-  int repairedFaces = 0;  ///< faces that were flipped as read off, before the repair
+  int repairedFaces = 0;  ///< faces that were flipped before the repair
   Residual residual;      ///< of the distances
   std::vector<double>
       distances;  ///< #V of the target: from each vertex to the point that it was read off at
@@ -32,17 +34,16 @@ struct TransferredMap {
 /// As positions are interpolated, a target with more vertices than the reference needs no repair
 /// for that.
 ///
-/// reference: the surface that has a map; referenceMap: that map; movedVertices: #V of the
-/// reference by 3, finite, where its vertices are when it lies on the target; target: the surface
-/// that gets a map. Throws ParameterError, which names the reference, when the map or the vertices
-/// are not its own, MapError, which names the target, when the repair fails.
-TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
-                           const Points& movedVertices, const ClosedSurface& target);
+/// reference: the surface that has a map; movedVertices: #V of the reference by 3, finite, where
+/// its vertices are when it lies on the target; target: the surface that gets a map. Throws
+/// ParameterError, which names the reference, when the vertices are not its own, MapError, which
+/// names the target, when the repair fails.
+TransferredMap transferMap(const MappedSurface& reference, const Points& movedVertices,
+                           const ClosedSurface& target);
 
 /// The same, for a reference that is read off many times. order: of a locator of its faces,
 /// wherever its vertices are.
-TransferredMap transferMap(const ClosedSurface& reference, const SphereMap& referenceMap,
-                           const Points& movedVertices, const ClosedSurface& target,
-                           const std::vector<int>& order);
+TransferredMap transferMap(const MappedSurface& reference, const Points& movedVertices,
+                           const ClosedSurface& target, const std::vector<int>& order);
 
 }  // namespace sphere_propagation

@@ -7,7 +7,7 @@
 
 namespace sphere_propagation {
 
-FloatCopy copyToFloat(const ClosedSurface& surface, const SphereMap& map) {
+FloatCopy copyToFloat(const MappedSurface& map) {
   FloatCopy copy;
   copy.positions = map.positions().cast<float>();
   Points positions = copy.positions.cast<double>();
@@ -32,7 +32,7 @@ FloatCopy copyToFloat(const ClosedSurface& surface, const SphereMap& map) {
   const auto moved = [&](int v, int place) {
     copy.positions.row(v) = around[static_cast<size_t>(place)];
   };
-  const RoundingRepair repair = repairRounding(surface, positions, placesAround, moved);
+  const RoundingRepair repair = repairRounding(map.surface(), positions, placesAround, moved);
   copy.mendedVertices = repair.movedVertices;
   copy.valid = repair.valid;
   return copy;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -18,6 +18,6 @@ struct FloatCopy {
 };
 
 /// Rounds a map to float and mends what the rounding flipped.
-FloatCopy copyToFloat(const ClosedSurface& surface, const SphereMap& map);
+FloatCopy copyToFloat(const MappedSurface& map);
 
 }  // namespace sphere_propagation

@@ -36,7 +36,7 @@ class Refinement {
       targets_.row(static_cast<Eigen::Index>(i)) = targets.row(order_[i]);
   }
 
-  SphereMap run() {
+  MappedSurface run() {
     ThreadPool pool;
     const std::vector<int> rounds = simplify(mesh_, pool);
     layTetrahedron();
@@ -193,7 +193,7 @@ class Refinement {
 
 }  // namespace
 
-SphereMap nearbyMap(const ClosedSurface& surface, const Points& positions) {
+MappedSurface nearbyMap(const ClosedSurface& surface, const Points& positions) {
   return Refinement(surface, positions).run();
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 /// A valid map near given positions, however far those are from one.
 
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -17,6 +17,6 @@ namespace sphere_propagation {
 /// positions: #V by 3, unit vectors; those that are not finite or zero ask for no place.
 /// Throws MapError, which names the layer, when a vertex finds no place: its ring's kernel is empty
 /// up to rounding.
-SphereMap nearbyMap(const ClosedSurface& surface, const Points& positions);
+MappedSurface nearbyMap(const ClosedSurface& surface, const Points& positions);
 
 }  // namespace sphere_propagation

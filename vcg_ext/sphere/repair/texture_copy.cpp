@@ -26,10 +26,10 @@ Points positionsFromTexture(
   return positions;
 }
 
-TextureCopy copyToTexture(const ClosedSurface& surface, const SphereMap& map) {
+TextureCopy copyToTexture(const MappedSurface& map) {
   TextureCopy copy;
-  copy.coordinates.resize(surface.vertexCount(), 2);
-  for (int v = 0; v < surface.vertexCount(); ++v)
+  copy.coordinates.resize(map.vertexCount(), 2);
+  for (int v = 0; v < map.vertexCount(); ++v)
     copy.coordinates.row(v) = textureCoordinate(map.position(v)).cast<float>().transpose();
   Points positions = positionsFromTexture(copy.coordinates);
   std::vector<Eigen::RowVector2f> around;
@@ -49,7 +49,7 @@ TextureCopy copyToTexture(const ClosedSurface& surface, const SphereMap& map) {
   const auto moved = [&](int v, int place) {
     copy.coordinates.row(v) = around[static_cast<size_t>(place)];
   };
-  const RoundingRepair repair = repairRounding(surface, positions, placesAround, moved);
+  const RoundingRepair repair = repairRounding(map.surface(), positions, placesAround, moved);
   copy.mendedVertices = repair.movedVertices;
   copy.valid = repair.valid;
   return copy;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
@@ -19,7 +19,7 @@ struct TextureCopy {
 };
 
 /// Rounds a map to float texture coordinates and mends what the rounding flipped.
-TextureCopy copyToTexture(const ClosedSurface& surface, const SphereMap& map);
+TextureCopy copyToTexture(const MappedSurface& map);
 
 /// The positions that float texture coordinates stand for (not certified): #V by 3.
 Points positionsFromTexture(

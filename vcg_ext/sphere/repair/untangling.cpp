@@ -125,7 +125,7 @@ Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings)
     solveFreeVertices(surface, free, shortest, positions);
   }
   const int moved = countMoved(original, positions);
-  return {SphereMap(surface, std::move(positions)), static_cast<int>(before.flippedFaces), moved};
+  return {MappedSurface(surface, std::move(positions)), static_cast<int>(before.flippedFaces), moved};
 }
 
 Untangled mend(const ClosedSurface& surface, Points positions) {
@@ -133,7 +133,7 @@ Untangled mend(const ClosedSurface& surface, Points positions) {
   try {
     return untangle(surface, positions, ringsOfALocalRepair);
   } catch (const MapError&) {
-    SphereMap map = nearbyMap(surface, positions);
+    MappedSurface map = nearbyMap(surface, positions);
     const int moved = countMoved(positions, map.positions());
     return {std::move(map), static_cast<int>(certify(surface.faces(), positions).flippedFaces),
             moved};

@@ -5,12 +5,12 @@
 
 #include <limits>
 
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
 
 struct Untangled {
-  SphereMap map;
+  MappedSurface map;
   int repairedFaces = 0;  ///< faces that were flipped before the repair
   int movedVertices = 0;  ///< vertices that lie elsewhere after it
 };

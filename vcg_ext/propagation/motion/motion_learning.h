@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// The prior of motion learnt from the sequence itself.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/propagation/motion/motion_model.h"
+#include "vcg_ext/propagation/motion/motion_prior.h"
+#include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
+
+namespace sphere_propagation {
+
+/// The fewest arcs that a prior is learnt from.
+constexpr int minArcsToLearnFrom = 11;
+
+struct LearntPrior {
+  MotionPrior prior;
+  MotionVariances variances;                  ///< that it was drawn towards
+  std::vector<Eigen::VectorXd> coefficients;  ///< of the fit that it was learnt from
+};
+
+/// Learns how much this sequence translates, strains and rotates from arc to arc, then the full
+/// covariance: (1) a fit with a wide prior; (2) expectation-maximisation of the three affine
+/// variances over its arcs, the local coefficients integrated out and the noise tempered; (3) of
+/// the full covariance, drawn towards (2), where what an arc leaves uncertain is taken from the
+/// mean of all arcs' equations. For sequences in time of about a dozen layers or more.
+LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
+                             const PropagationTree& tree, ThreadPool& pool,
+                             const Progress& progress = {});
+
+}  // namespace sphere_propagation

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_prior.h"
+
+#include "vcg_ext/propagation/motion/motion_model.h"
+
+namespace sphere_propagation {
+
+Eigen::VectorXd MotionVariances::diagonal() const {
+  Eigen::VectorXd d(MotionModel::columns);
+  d << Eigen::VectorXd::Constant(MotionModel::localColumns, local),
+      Eigen::VectorXd::Constant(MotionModel::translationColumns, translation),
+      Eigen::VectorXd::Constant(MotionModel::strainColumns, strain),
+      Eigen::VectorXd::Constant(MotionModel::rotationColumns, rotation);
+  return d;
+}
+
+MotionPrior MotionPrior::of(const MotionVariances& variances, double noise) {
+  return {variances.diagonal().cwiseInverse().asDiagonal(), noise};
+}
+
+MotionPrior fixedMotionPrior() { return MotionPrior::of({1, 0.5, 1, 0.3}, 6); }
+
+}  // namespace sphere_propagation

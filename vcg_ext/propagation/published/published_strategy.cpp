@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/published/published_strategy.h"
+
+#include "vcg_ext/base/stopwatch.h"
+
+namespace sphere_propagation {
+
+Propagation PublishedStrategy::propagate(const PropagationTask& task,
+                                         const Progress& progress) const {
+  Propagation result;
+  result.layers = overArcs(task, progress, [&](int i, const PropagatedLayer& parent) {
+    const Stopwatch watch;
+    PropagatedLayer layer{
+        propagateAsPublished(parent.map(), task.sequence.surface(i), parameters_)};
+    layer.seconds = watch.seconds();
+    return layer;
+  });
+  if (task.closing) {
+    const auto from = static_cast<size_t>(task.closing->from),
+               to = static_cast<size_t>(task.closing->to);
+    result.closing =
+        differenceOf(propagateAsPublished(result.layers[from].map(),
+                                          task.sequence.surface(task.closing->to), parameters_)
+                         .map,
+                     result.layers[to].map());
+  }
+  return result;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/robust_strategy.h"
+
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/propagation/aligned/aligned_propagation.h"
+#include "vcg_ext/propagation/motion/motion_propagation.h"
+#include "vcg_ext/propagation/published/published_propagation.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Of the time, where no layer is lost.
+constexpr double followingShare = 0.95;
+
+void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
+  const std::vector<double> sizes = relativeSizes(sequence, tree);
+  for (int i = 0; i < sequence.size(); ++i) {
+    const double ratio = sizes[static_cast<size_t>(i)];
+    if (ratio < maxRelativeSize && ratio > 1 / maxRelativeSize) continue;
+    std::ostringstream text;
+    text.precision(3);
+    text << "Layer \"" << sequence.name(i) << "\" is " << (ratio > 1 ? ratio : 1 / ratio)
+         << " times " << (ratio > 1 ? "larger" : "smaller") << " than layer \""
+         << sequence.name(tree.parent[static_cast<size_t>(i)])
+         << "\", which its map would come from. Bring all layers to one unit (\"Transform: Scale, "
+            "Normalize\").";
+    throw ParameterError(text.str());
+  }
+}
+
+/// What stands in for a fit that lost its layer.
+PropagatedLayer fromParent(const MappedSurface& parent, const ClosedSurface& target) {
+  try {
+    PropagatedLayer layer{propagateAligned(parent, target)};
+    layer.route = Route::Alignment;
+    return layer;
+  } catch (const MapError&) {
+    PropagatedLayer layer{propagateAsPublished(parent, target)};
+    layer.route = Route::Published;
+    return layer;
+  }
+}
+
+}  // namespace
+
+std::vector<double> relativeSizes(const Sequence& sequence, const PropagationTree& tree) {
+  std::vector<double> relative(static_cast<size_t>(sequence.size()), 1);
+  for (int i = 0; i < sequence.size(); ++i) {
+    const int parent = tree.parent[static_cast<size_t>(i)];
+    if (parent >= 0)
+      relative[static_cast<size_t>(i)] = sequence[i].radius() / sequence[parent].radius();
+  }
+  return relative;
+}
+
+Propagation RobustStrategy::propagate(const PropagationTask& task, const Progress& progress) const {
+  requireOneUnit(task.sequence, task.tree);
+  report(progress, 0);
+  const std::vector<LayerPose> poses = findLayerPoses(task.sequence, task.tree, task.pool);
+  const Sequence laid = laidInRootsFrame(task.sequence, poses);
+  FollowedMotion followed = followMotion(laid, task.root, task.tree, task.pool,
+                                         part(progress, 0, followingShare), task.closing);
+  Propagation result;
+  result.learnt = followed.learnt;
+  result.averaged = followed.averaged;
+  result.layers =
+      overArcs(task, part(progress, followingShare, 1), [&](int i, const PropagatedLayer& parent) {
+        if (std::optional<FollowedLayer>& layer = followed.layers[static_cast<size_t>(i)]) {
+          PropagatedLayer there{std::move(layer->transferred)};
+          there.seconds = layer->seconds;
+          return there;
+        }
+        const Stopwatch watch;
+        PropagatedLayer there = fromParent(parent.map(), laid.surface(i));
+        there.seconds = watch.seconds();
+        return there;
+      });
+  if (task.closing) {
+    const auto from = static_cast<size_t>(task.closing->from),
+               to = static_cast<size_t>(task.closing->to);
+    result.closing =
+        followed.closing
+            ? differenceOf(followed.closing->carried, followed.closing->brought)
+            : differenceOf(
+                  fromParent(result.layers[from].map(), laid.surface(task.closing->to)).map(),
+                  result.layers[to].map());
+  }
+  // The maps are of the layers as they lie.
+  for (int i = 0; i < task.sequence.size(); ++i) {
+    const auto k = static_cast<size_t>(i);
+    TransferredMap& transferred = result.layers[k].transferred;
+    transferred.map = transferred.map.of(task.sequence.surface(i));
+    result.layers[k].pose = poses[k];
+  }
+  return result;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Method Robust: the root's motion, followed through all layers (motion_propagation.h). A layer
+/// that this loses comes from its parent, aligned (aligned_propagation.h), and where no map comes
+/// of that either, as published (published_propagation.h): shapes that differ much, of which the
+/// published steps smooth all, and so reach a valid map more often.
+
+#include "vcg_ext/propagation/strategy.h"
+
+namespace sphere_propagation {
+
+/// Surfaces whose sizes differ from their parents' by more than this are in different units.
+constexpr double maxRelativeSize = 100;
+
+class RobustStrategy : public PropagationStrategy {
+ public:
+  /// Layers in another pose than the rest are laid in the root's frame for it (layer_poses.h).
+  /// Throws, besides, ParameterError where a layer is of another size than its parent by more than
+  /// maxRelativeSize.
+  Propagation propagate(const PropagationTask& task, const Progress& progress) const override;
+};
+
+/// The size of each surface relative to its parent's; 1 at the root.
+std::vector<double> relativeSizes(const Sequence& sequence, const PropagationTree& tree);
+
+}  // namespace sphere_propagation

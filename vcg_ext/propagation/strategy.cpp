@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/strategy.h"
+
+#include <string>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+
+std::vector<PropagatedLayer> overArcs(
+    const PropagationTask& task, const Progress& progress,
+    const std::function<PropagatedLayer(int i, const PropagatedLayer& parent)>& make) {
+  const PropagationTree& tree = task.tree;
+  std::vector<std::optional<PropagatedLayer>> made(static_cast<size_t>(tree.size()));
+  double vertices = 0, done = 0;
+  for (int i : tree.order)
+    if (i != tree.root()) vertices += task.sequence.surface(i).vertexCount();
+  for (int i : tree.order) {
+    const auto k = static_cast<size_t>(i);
+    if (i == tree.root()) {
+      const auto count = static_cast<size_t>(task.root.vertexCount());
+      made[k] = PropagatedLayer{TransferredMap{task.root, 0, {}, std::vector<double>(count, 0)}};
+      continue;
+    }
+    const int parent = tree.parent[k];
+    try {
+      made[k] = make(i, *made[static_cast<size_t>(parent)]);
+    } catch (const MapError& error) {  // names the target, but knows nothing of the tree
+      throw MapError(error.count, error.first,
+                     std::string(error.what()) + " They come from layer \"" +
+                         task.sequence.name(parent) +
+                         "\", which may be too different from it: choose another order of "
+                         "propagation or another root.");
+    }
+    made[k]->parent = parent;
+    done += task.sequence.surface(i).vertexCount();
+    report(progress, done / vertices);
+  }
+  report(progress, 1);
+  std::vector<PropagatedLayer> layers;
+  layers.reserve(made.size());
+  for (std::optional<PropagatedLayer>& layer : made) layers.push_back(std::move(*layer));
+  return layers;
+}
+
+}  // namespace sphere_propagation

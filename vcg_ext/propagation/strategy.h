@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// How maps get from the root to all other layers: what the methods of propagation have in common.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "vcg_ext/base/progress.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/propagation/motion/motion_prior.h"
+#include "vcg_ext/propagation/transfer/map_difference.h"
+#include "vcg_ext/propagation/transfer/map_transfer.h"
+#include "vcg_ext/sequence/layer_poses.h"
+#include "vcg_ext/sequence/propagation_tree.h"
+#include "vcg_ext/sequence/sequence.h"
+#include "vcg_ext/sphere/mapped_surface.h"
+
+namespace sphere_propagation {
+
+/// How a layer got its map.
+enum class Route {
+  Method,     ///< by the method asked for
+  Alignment,  ///< Robust, but the motion fit lost the layer: from its parent, aligned
+              ///< (aligned_propagation.h)
+  Published,  ///< Robust, but that could not be repaired either: from its parent, as published
+};
+
+struct PropagatedLayer {
+  TransferredMap transferred;  ///< the layer with its map, and what that took; zeros at the root
+  int parent = -1;             ///< the layer that the map comes from; -1 for the root
+  Route route = Route::Method;
+  double seconds = 0;       ///< spent on this layer, wall clock
+  LayerPose pose = {};      ///< in which method Robust brought it onto its parent
+  double relativeSize = 1;  ///< of its radius (of the sphere of its area) to its parent's
+
+  const MappedSurface& map() const { return transferred.map; }
+};
+
+struct Propagation {
+  std::vector<PropagatedLayer> layers;  ///< one entry per layer, in layer order
+  /// Where the closing arc ends: between the map that it carries there and the one that the tree
+  /// does.
+  std::optional<MapDifference> closing = {};
+  int averaged = 0;  ///< by method Robust in a closed cycle: layers whose motion is the average of
+                     ///< both ways round
+  /// By method Robust, where there was enough to learn from (motion_learning.h).
+  std::optional<MotionVariances> learnt = {};
+};
+
+struct PropagationTask {
+  const Sequence& sequence;
+  const MappedSurface& root;  ///< the surface of the tree's root, with its map
+  const PropagationTree& tree;
+  const std::optional<Arc>& closing;  ///< an arc beside the tree
+  ThreadPool& pool;
+};
+
+class PropagationStrategy {
+ public:
+  virtual ~PropagationStrategy() = default;
+  /// Throws MapError or PropagationError, which name the layer that gets no map.
+  virtual Propagation propagate(const PropagationTask& task, const Progress& progress) const = 0;
+};
+
+/// Makes the layers one after the other, parents before their children; the root's is as it is.
+/// make: the layer i, given its parent's. Progress goes by vertices.
+std::vector<PropagatedLayer> overArcs(
+    const PropagationTask& task, const Progress& progress,
+    const std::function<PropagatedLayer(int i, const PropagatedLayer& parent)>& make);
+
+}  // namespace sphere_propagation

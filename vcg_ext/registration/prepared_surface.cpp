@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/registration/prepared_surface.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "vcg_ext/base/lazy.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr int sampleCount = 100;
+
+/// Vertices each as far as possible from those before; the first is the one farthest from the
+/// centre.
+Points spreadOver(const Points& points, const Vector3& centre) {
+  const auto count = std::min<Eigen::Index>(sampleCount, points.rows());
+  Points spread(count, 3);
+  Eigen::Index next = 0;
+  (points.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff(&next);
+  Eigen::VectorXd distance =
+      Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    spread.row(i) = points.row(next);
+    for (Eigen::Index j = 0; j < points.rows(); ++j)
+      distance[j] = std::min(distance[j], (points.row(j) - spread.row(i)).squaredNorm());
+    distance.maxCoeff(&next);
+  }
+  return spread;
+}
+
+Eigen::Matrix3d axesOf(const Points& points, const Vector3& centre, const Eigen::VectorXd& shares) {
+  const Points centred = points.rowwise() - centre.transpose();
+  const Eigen::Matrix3d covariance = centred.transpose() * shares.asDiagonal() * centred;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
+  Eigen::Matrix3d axes;
+  axes.col(0) = solver.eigenvectors().col(2);
+  axes.col(1) = solver.eigenvectors().col(1);
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+}  // namespace
+
+struct PreparedSurface::Data {
+  explicit Data(ClosedSurface whole)
+      : surface(std::move(whole)),
+        areas(vertexAreas(surface.vertices(), surface.faces())),
+        area(areas.sum()),
+        radius(radiusOfSphere(area)),
+        volume(enclosedVolume(surface.vertices(), surface.faces())),
+        meanEdge(meanEdgeLength(surface.vertices(), surface.faces())),
+        centre(surface.vertices().transpose() * areas / area) {}
+
+  ClosedSurface surface;
+  Eigen::VectorXd areas;  // of the vertices
+  double area, radius, volume, meanEdge;
+  Vector3 centre;
+  Lazy<Points> normals, samples;
+  Lazy<Eigen::Matrix3d> axes;
+  Lazy<VertexLocator> vertexLocator;
+  Lazy<SurfaceLocator> locator;
+};
+
+PreparedSurface::PreparedSurface(ClosedSurface surface)
+    : data_(std::make_shared<const Data>(std::move(surface))) {}
+
+const ClosedSurface& PreparedSurface::surface() const { return data_->surface; }
+double PreparedSurface::area() const { return data_->area; }
+double PreparedSurface::radius() const { return data_->radius; }
+double PreparedSurface::volume() const { return data_->volume; }
+double PreparedSurface::meanEdge() const { return data_->meanEdge; }
+const Vector3& PreparedSurface::centre() const { return data_->centre; }
+
+const Points& PreparedSurface::normals() const {
+  return data_->normals.get(
+      [this] { return vertexNormals(surface().vertices(), surface().faces()); });
+}
+
+const Eigen::Matrix3d& PreparedSurface::axes() const {
+  return data_->axes.get(
+      [this] { return axesOf(surface().vertices(), centre(), data_->areas / data_->area); });
+}
+
+const Points& PreparedSurface::samples() const {
+  return data_->samples.get([this] { return spreadOver(surface().vertices(), centre()); });
+}
+
+const VertexLocator& PreparedSurface::vertexLocator() const {
+  return data_->vertexLocator.get([this] { return VertexLocator(surface().vertices()); });
+}
+
+const SurfaceLocator& PreparedSurface::locator() const {
+  return data_->locator.get(
+      [this] { return SurfaceLocator(surface().vertices(), surface().faces()); });
+}
+
+void PreparedSurface::prepare() const {
+  normals();
+  axes();
+  samples();
+  vertexLocator();
+  locator();
+}
+
+}  // namespace sphere_propagation
