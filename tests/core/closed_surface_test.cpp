@@ -188,5 +188,29 @@ TEST(ClosedSurface, RingsAreCounterClockwiseAndComplete) {
   }
 }
 
+TEST(ClosedSurface, WithVerticesSharesTheConnectivity) {
+  const Mesh mesh = test::icosphereMesh(3);
+  const ClosedSurface surface = surfaceOf(mesh, "phase 3");
+  const ClosedSurface larger = surface.withVertices(2 * mesh.vertices);
+  EXPECT_EQ(larger.faces().data(), surface.faces().data());
+  EXPECT_EQ(larger.vertices(), 2 * mesh.vertices);
+  EXPECT_EQ(larger.name(), "phase 3");
+  EXPECT_TRUE(larger.hasFacesOf(surface));
+  EXPECT_FALSE(surface.hasFacesOf(surfaceOf(test::octahedron())));
+
+  EXPECT_THROW(surface.withVertices(mesh.vertices.topRows(41)), ParameterError);
+  EXPECT_THROW(surface.withVertices(-mesh.vertices), SurfaceError);     // inside out
+  EXPECT_THROW(surface.withVertices(0 * mesh.vertices), SurfaceError);  // no area
+  Points broken = mesh.vertices;
+  broken(7, 1) = std::numeric_limits<double>::quiet_NaN();
+  try {
+    surface.withVertices(broken);
+    FAIL() << "no error";
+  } catch (const SurfaceError& error) {
+    EXPECT_EQ(error.defect, SurfaceError::Defect::NonFiniteCoordinate);
+    EXPECT_EQ(error.first, 7);
+  }
+}
+
 }  // namespace
 }  // namespace sphere_propagation::test

@@ -21,7 +21,7 @@ struct Copied {
 /// says of the floats.
 Copied asFloat(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  Copied result{copyToFloat(surface, SphereMap(surface, mesh.vertices)), 0};
+  Copied result{copyToFloat(MappedSurface(surface, mesh.vertices)), 0};
   const Points positions = result.copy.positions.cast<double>();
   result.farthest = (positions - mesh.vertices).rowwise().norm().maxCoeff();
   EXPECT_EQ(result.copy.valid, certify(mesh.faces, positions).valid());

@@ -12,7 +12,7 @@
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/sphere/certificate.h"
-#include "vcg_ext/sphere/sphere_map.h"
+#include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -24,7 +24,7 @@ TEST(Icosphere, CountsAndTopology) {
     EXPECT_EQ(sphere.faces.rows(), 20 * f * f);
     const ClosedSurface surface(sphere.vertices,
                                 sphere.faces);  // throws unless closed, outward, of genus 0
-    const SphereMap map(surface, sphere.vertices);
+    const MappedSurface map(surface, sphere.vertices);
     int five = 0;
     for (int v = 0; v < surface.vertexCount(); ++v) {
       const int valence = surface.ring(v).size();

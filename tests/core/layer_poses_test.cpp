@@ -61,7 +61,7 @@ TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
   EXPECT_TRUE(poses[2].moved);
   EXPECT_NEAR(poses[2].angle, 1.1 * 180 / pi, 2);
   EXPECT_LT((poses[2].toRoot.rotation * turn - Eigen::Matrix3d::Identity()).norm(), 0.04);
-  EXPECT_LT((movedSurface(surfaces[2], poses[2].toRoot).vertices() - phaseOf(2).vertices)
+  EXPECT_LT((laidInRootsFrame(surfaces, poses).surface(2).vertices() - phaseOf(2).vertices)
                 .rowwise()
                 .norm()
                 .maxCoeff(),

@@ -13,8 +13,8 @@ namespace {
 
 TEST(MapDifference, IsNothingForEqualMaps) {
   const ClosedSurface surface = surfaceOf(test::noisyEllipsoid(1));
-  const SphereMap map(surface, test::icosphereMesh(8).vertices);
-  const MapDifference difference = differenceOf(surface, map, map);
+  const MappedSurface map(surface, test::icosphereMesh(8).vertices);
+  const MapDifference difference = differenceOf(map, map);
   EXPECT_LT(difference.distance.p95, 1e-10);
   EXPECT_LT(difference.angle.p95, 1e-6);
 }
@@ -25,24 +25,24 @@ TEST(MapDifference, ATurnOfASphereMovesItsLandmarksAlongIt) {
   const ClosedSurface surface =
       surfaceOf(test::transformed(sphere, Eigen::Matrix3d::Identity(), radius, Vector3(1, 2, 3)));
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn, Vector3(1, 2, 2) / 3).toRotationMatrix();
-  const SphereMap map(surface, sphere.vertices),
+  const MappedSurface map(surface, sphere.vertices),
       turned(surface, sphere.vertices * rotation.transpose());
-  const MapDifference difference = differenceOf(surface, map, turned);
+  const MapDifference difference = differenceOf(map, turned);
   // The mean of the sine of the distance from the axis is pi / 4.
   EXPECT_NEAR(difference.angle.mean, turn * 180 / pi * pi / 4, 0.01);
   EXPECT_NEAR(difference.distance.mean, radius * turn * pi / 4, 0.002);
   EXPECT_LT(difference.distance.p95, radius * turn);
-  const MapDifference back = differenceOf(surface, turned, map);
+  const MapDifference back = differenceOf(turned, map);
   EXPECT_NEAR(back.distance.mean, difference.distance.mean, 1e-4);
 }
 
 TEST(MapDifference, RefusesMapsOfOthers) {
   const ClosedSurface surface = surfaceOf(test::octahedron()),
                       other = surfaceOf(test::icosahedron());
-  const SphereMap map(surface, test::octahedron().vertices),
+  const MappedSurface map(surface, test::octahedron().vertices),
       foreign(other, test::icosahedron().vertices);
-  EXPECT_THROW(differenceOf(surface, map, foreign), ParameterError);
-  EXPECT_THROW(differenceOf(surface, foreign, map), ParameterError);
+  EXPECT_THROW(differenceOf(map, foreign), ParameterError);
+  EXPECT_THROW(differenceOf(foreign, map), ParameterError);
 }
 
 }  // namespace

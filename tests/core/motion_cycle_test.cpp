@@ -27,13 +27,13 @@ struct Beat {
       surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
     }
   }
-  MotionModel model() const { return MotionModel(surfaces[0], SphereMap(surfaces[0], rootMap)); }
+  MotionModel model() const { return MotionModel(MappedSurface(surfaces[0], rootMap)); }
 };
 
 std::vector<Eigen::VectorXd> translations(double byLayer) {
-  std::vector<Eigen::VectorXd> coefficients(layers, Eigen::VectorXd::Zero(MotionModel::columns));
+  std::vector<Eigen::VectorXd> coefficients(layers, Eigen::VectorXd::Zero(MotionBasis::columns));
   for (int i = 0; i < layers; ++i)
-    coefficients[static_cast<size_t>(i)][MotionModel::localColumns] = byLayer * i;
+    coefficients[static_cast<size_t>(i)][MotionBasis::localColumns] = byLayer * i;
   return coefficients;
 }
 
@@ -48,7 +48,7 @@ TEST(MotionCycle, SharesGoFromThreeQuartersToOneAndAddUp) {
 TEST(MotionCycle, WaysThatAgreeAreWhatTheTreeBrings) {
   const Beat beat;
   ThreadPool pool;
-  const std::vector<MotionTarget> targets = motionTargets(beat.surfaces, pool);
+  const Sequence targets(beat.surfaces);
   const std::vector<Eigen::VectorXd> brought = translations(1.0 / 3);
   EXPECT_EQ(averageOfBothWays(beat.model(), targets, beat.cycle, brought, brought), brought);
 }
@@ -56,12 +56,12 @@ TEST(MotionCycle, WaysThatAgreeAreWhatTheTreeBrings) {
 TEST(MotionCycle, AveragesByTheStepsFromTheRoot) {
   const Beat beat;
   ThreadPool pool;
-  const std::vector<MotionTarget> targets = motionTargets(beat.surfaces, pool);
+  const Sequence targets(beat.surfaces);
   const std::vector<Eigen::VectorXd> average =
       averageOfBothWays(beat.model(), targets, beat.cycle, translations(1), translations(2));
   for (int step = 0; step < layers; ++step) {
     const double own = step <= 3 ? forwardShare(step, layers) : 1 - forwardShare(step, layers);
-    EXPECT_NEAR(average[static_cast<size_t>(step)][MotionModel::localColumns],
+    EXPECT_NEAR(average[static_cast<size_t>(step)][MotionBasis::localColumns],
                 step * (own + 2 * (1 - own)), 1e-12);
   }
 }
@@ -69,11 +69,11 @@ TEST(MotionCycle, AveragesByTheStepsFromTheRoot) {
 TEST(MotionCycle, KeepsWhatTheTreeBringsWhereTheOtherWayIsLost) {
   const Beat beat;
   ThreadPool pool;
-  const std::vector<MotionTarget> targets = motionTargets(beat.surfaces, pool);
+  const Sequence targets(beat.surfaces);
   const std::vector<Eigen::VectorXd> brought = translations(1);
   std::vector<Eigen::VectorXd> around = brought;
-  around[2][MotionModel::localColumns] += 2.01 * targets[2].meanEdge;
-  around[3][MotionModel::localColumns] += 1.99 * targets[3].meanEdge;
+  around[2][MotionBasis::localColumns] += 2.01 * targets[2].meanEdge();
+  around[3][MotionBasis::localColumns] += 1.99 * targets[3].meanEdge();
   around[4].setConstant(std::numeric_limits<double>::quiet_NaN());
   const std::vector<Eigen::VectorXd> average =
       averageOfBothWays(beat.model(), targets, beat.cycle, brought, around);
@@ -86,7 +86,7 @@ TEST(MotionCycle, TheOtherWayRoundLeadsToEveryLayer) {
   const Beat beat;
   const MotionModel model = beat.model();
   ThreadPool pool(2);
-  const std::vector<MotionTarget> targets = motionTargets(beat.surfaces, pool);
+  const Sequence targets(beat.surfaces);
   const MotionFit fit = fitMotion(model, targets, beat.tree, fixedMotionPrior(), pool);
   const std::vector<Eigen::VectorXd> around =
       fitOtherWayRound(model, targets, beat.cycle, fit, fixedMotionPrior(), pool);
@@ -95,7 +95,7 @@ TEST(MotionCycle, TheOtherWayRoundLeadsToEveryLayer) {
     const Points moved = model.movedNodes(around[t]);
     double sum = 0;
     for (Eigen::Index i = 0; i < moved.rows(); ++i)
-      sum += targets[t].locator->closest(moved.row(i).transpose()).distance;
+      sum += targets[static_cast<int>(t)].locator().closest(moved.row(i).transpose()).distance;
     EXPECT_LT(sum / static_cast<double>(moved.rows()), 0.3) << t;  // of a radius of 28
     EXPECT_NE(around[t], fit.coefficients[t]);
   }
@@ -114,7 +114,7 @@ TEST(MotionCycle, IsTheSameWithAnyNumberOfThreads) {
   const Beat beat;
   const MotionModel model = beat.model();
   ThreadPool one(1), several(3);
-  const std::vector<MotionTarget> targets = motionTargets(beat.surfaces, one);
+  const Sequence targets(beat.surfaces);
   const MotionFit fit = fitMotion(model, targets, beat.tree, fixedMotionPrior(), one);
   EXPECT_EQ(fitOtherWayRound(model, targets, beat.cycle, fit, fixedMotionPrior(), one),
             fitOtherWayRound(model, targets, beat.cycle, fit, fixedMotionPrior(), several));

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/propagation/motion/motion_learning.h"
 
 namespace sphere_propagation {
 namespace {
@@ -13,10 +14,10 @@ namespace {
 ThreadPool pool(2);
 
 /// An ellipsoid on a mesh of its own for each phase, moved as a whole by `shift` per phase.
-struct Sequence {
+struct Phases {
   std::vector<ClosedSurface> surfaces;
   Points rootMap;
-  Sequence(int layers, const Vector3& shift, double breathing) {
+  Phases(int layers, const Vector3& shift, double breathing) {
     for (int i = 0; i < layers; ++i) {
       test::Mesh mesh = test::transformed(test::icosphereMesh(7 + i % 2),
                                           test::randomRotation(40 + i), 1, Vector3::Zero());
@@ -27,25 +28,25 @@ struct Sequence {
       surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
     }
   }
-  MotionModel model() const { return MotionModel(surfaces[0], SphereMap(surfaces[0], rootMap)); }
+  MotionModel model() const { return MotionModel(MappedSurface(surfaces[0], rootMap)); }
 };
 
 TEST(MotionFit, RecoversATranslation) {
-  const Sequence sequence(2, Vector3(2, -1, 1), 0);
+  const Phases sequence(2, Vector3(2, -1, 1), 0);
   const MotionModel model = sequence.model();
   MotionVariances variances{1e-6, 10, 1e-6, 1e-6};
-  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0),
+  const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0),
                                   {variances.diagonal().cwiseInverse().asDiagonal(), 6}, pool);
   EXPECT_EQ(fit.coefficients[0].norm(), 0);
-  const Vector3 found = fit.coefficients[1].segment<3>(MotionModel::localColumns);
+  const Vector3 found = fit.coefficients[1].segment<3>(MotionBasis::localColumns);
   EXPECT_LT((found - Vector3(2, -1, 1)).norm(), 0.1);
 }
 
 TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
-  const Sequence sequence(6, Vector3(1, 0, 0), 0.3);
+  const Phases sequence(6, Vector3(1, 0, 0), 0.3);
   const MotionModel model = sequence.model();
-  const MotionFit fit = fitMotion(model, motionTargets(sequence.surfaces, pool), timeOrder(6, 0),
-                                  fixedMotionPrior(), pool);
+  const MotionFit fit =
+      fitMotion(model, sequence.surfaces, timeOrder(6, 0), fixedMotionPrior(), pool);
   EXPECT_EQ(fit.lost, std::vector<char>(6, 0));
   for (int t = 1; t < 6; ++t) {
     const SurfaceLocator locator(sequence.surfaces[t].vertices(), sequence.surfaces[t].faces());
@@ -58,12 +59,12 @@ TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
 }
 
 TEST(MotionFit, SaysWhichLayersItLoses) {
-  Sequence sequence(4, Vector3::Zero(), 0.1);
+  Phases sequence(4, Vector3::Zero(), 0.1);
   Points far = sequence.surfaces[2].vertices();
   far.rowwise() += Eigen::RowVector3d(500, 0, 0);
   sequence.surfaces[2] = ClosedSurface(far, sequence.surfaces[2].faces(), "far away");
   const MotionModel model = sequence.model();
-  const std::vector<MotionTarget> targets = motionTargets(sequence.surfaces, pool);
+  const Sequence targets(sequence.surfaces);
   const MotionFit fit = fitMotion(model, targets, timeOrder(4, 0), fixedMotionPrior(), pool);
   EXPECT_EQ(fit.lost, (std::vector<char>{0, 0, 1, 0}));
   // What lies behind comes from the one before.
@@ -72,11 +73,10 @@ TEST(MotionFit, SaysWhichLayersItLoses) {
 }
 
 TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
-  const Sequence sequence(2, Vector3(0, 0, 0), 0.2);
+  const Phases sequence(2, Vector3(0, 0, 0), 0.2);
   const MotionModel model = sequence.model();
   const MotionPrior prior = fixedMotionPrior();
-  const MotionFit fit =
-      fitMotion(model, motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
+  const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0), prior, pool);
   const ArcEquations& e = fit.equations[1];
   EXPECT_LT((e.matrix - e.matrix.transpose()).norm(), 1e-9 * e.matrix.norm());
   EXPECT_LT(((e.matrix + prior.precision) * fit.coefficients[1] - e.vector).norm(),
@@ -85,9 +85,9 @@ TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
 }
 
 TEST(MotionFit, AnEarlierFitSavesAnIteration) {
-  const Sequence sequence(3, Vector3(1, 0, 0), 0.2);
+  const Phases sequence(3, Vector3(1, 0, 0), 0.2);
   const MotionModel model = sequence.model();
-  const std::vector<MotionTarget> targets = motionTargets(sequence.surfaces, pool);
+  const Sequence targets(sequence.surfaces);
   const MotionPrior prior = fixedMotionPrior();
   const MotionFit first = fitMotion(model, targets, timeOrder(3, 0), prior, pool);
   const MotionFit again =
@@ -105,10 +105,9 @@ TEST(MotionFit, AnEarlierFitSavesAnIteration) {
 }
 
 TEST(MotionFit, KeepsTheFactorOfItsSystem) {
-  const Sequence sequence(2, Vector3(1, 0, 0), 0.2);
+  const Phases sequence(2, Vector3(1, 0, 0), 0.2);
   const MotionPrior prior = fixedMotionPrior();
-  const MotionFit fit =
-      fitMotion(sequence.model(), motionTargets(sequence.surfaces, pool), star(2, 0), prior, pool);
+  const MotionFit fit = fitMotion(sequence.model(), sequence.surfaces, star(2, 0), prior, pool);
   const Eigen::MatrixXd system = fit.equations[1].matrix + prior.precision;
   EXPECT_LT((fit.factors[1].reconstructedMatrix() - system).norm(), 1e-12 * system.norm());
 }
@@ -116,15 +115,14 @@ TEST(MotionFit, KeepsTheFactorOfItsSystem) {
 TEST(MotionPrior, TheFixedOneIsDiagonal) {
   const MotionPrior prior = fixedMotionPrior();
   EXPECT_EQ(prior.precision(0, 0), 1);
-  EXPECT_EQ(prior.precision(MotionModel::localColumns, MotionModel::localColumns), 2);
+  EXPECT_EQ(prior.precision(MotionBasis::localColumns, MotionBasis::localColumns), 2);
   EXPECT_EQ(prior.precision.diagonal().asDiagonal().toDenseMatrix(), prior.precision);
 }
 
 TEST(MotionPrior, LearnsThatASequenceTravels) {
-  const Sequence staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
-  const auto learnt = [](const Sequence& sequence) {
-    return learnMotionPrior(sequence.model(), motionTargets(sequence.surfaces, pool),
-                            cyclicTimeOrder(14, 0), pool);
+  const Phases staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
+  const auto learnt = [](const Phases& sequence) {
+    return learnMotionPrior(sequence.model(), sequence.surfaces, cyclicTimeOrder(14, 0), pool);
   };
   const LearntPrior still = learnt(staying), moved = learnt(travelling);
   EXPECT_GT(moved.variances.translation, 5 * still.variances.translation);

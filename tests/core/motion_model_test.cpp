@@ -12,7 +12,7 @@ namespace {
 
 struct Ellipsoid {
   ClosedSurface surface;
-  SphereMap map;
+  MappedSurface map;
   Ellipsoid() : Ellipsoid(test::icosphereMesh(9)) {}
 
  private:
@@ -22,20 +22,20 @@ struct Ellipsoid {
 };
 
 Eigen::VectorXd unitCoefficient(int column) {
-  return Eigen::VectorXd::Unit(MotionModel::columns, column);
+  return Eigen::VectorXd::Unit(MotionBasis::columns, column);
 }
 
 Eigen::VectorXd someCoefficients(unsigned seed) {
   test::Random random(seed);
-  Eigen::VectorXd c(MotionModel::columns);
+  Eigen::VectorXd c(MotionBasis::columns);
   for (double& x : c) x = random.uniform(-1, 1);
   return c;
 }
 
 TEST(MotionModel, ZeroCoefficientsMoveNothing) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(MotionModel::columns);
+  const MotionModel model(e.map);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(MotionBasis::columns);
   EXPECT_EQ(model.movedNodes(zero), model.nodes());
   EXPECT_EQ(model.movedVertices(zero), e.surface.vertices());
   EXPECT_EQ(model.nodes().rows(), 1002);
@@ -43,60 +43,61 @@ TEST(MotionModel, ZeroCoefficientsMoveNothing) {
 
 TEST(MotionModel, ProjectionIsTheTransposedDisplacement) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
+  const MotionModel model(e.map);
   const Eigen::VectorXd c = someCoefficients(1);
   const Points moved = model.movedNodes(c) - model.nodes();
-  Eigen::VectorXd row(MotionModel::columns);
+  Eigen::VectorXd row(MotionBasis::columns);
   for (int i : {0, 17, 500, 1001}) {
     const Vector3 m = Vector3(1, -2, 0.5).normalized();
-    model.project(i, m, row.data());
+    model.basis().project(i, m, row.data());
     EXPECT_NEAR(row.dot(c), m.dot(moved.row(i).transpose()), 1e-12);
   }
 }
 
 TEST(MotionModel, ProjectsAllForcesAtOnce) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
+  const MotionModel model(e.map);
   Points forces(model.nodes().rows(), 3);
   test::Random random(2);
   for (Eigen::Index i = 0; i < forces.size(); ++i) forces.data()[i] = random.normal();
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(MotionModel::columns), row(MotionModel::columns);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(MotionBasis::columns), row(MotionBasis::columns);
   for (Eigen::Index i = 0; i < forces.rows(); ++i) {
-    model.project(static_cast<int>(i), forces.row(i).transpose(), row.data());
+    model.basis().project(static_cast<int>(i), forces.row(i).transpose(), row.data());
     sum += row;
   }
-  EXPECT_LT((model.projectAll(forces) - sum).norm(), 1e-11 * sum.norm());
+  EXPECT_LT((model.basis().projectAll(forces) - sum).norm(), 1e-11 * sum.norm());
 }
 
 TEST(MotionModel, SinglePrecisionIsCloseEnough) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
+  const MotionModel model(e.map);
   const Eigen::VectorXd c = someCoefficients(1);
   const Points moved = model.movedNodes(c) - model.nodes();
-  const Points nearly = model.movedNodes(c, MotionModel::Precision::Single) - model.nodes();
+  const Points nearly = model.roughMovedNodes(c) - model.nodes();
   EXPECT_LT((moved - nearly).norm(), 1e-6 * moved.norm());
-  const Eigen::VectorXd sum = model.projectAll(moved);
-  EXPECT_LT((sum - model.projectAll(moved, MotionModel::Precision::Single)).norm(),
-            1e-6 * sum.norm());
-  const Eigen::VectorXd scales = Eigen::VectorXd::LinSpaced(moved.rows(), 0, 1);
-  const RowsF rows = model.projectEach(moved, scales);
-  Eigen::VectorXd row(MotionModel::columns);
-  for (int i : {0, 17, 500, 1001}) {
-    model.project(i, moved.row(i).transpose(), row.data());
-    EXPECT_LE((rows.row(i).cast<double>().transpose() - scales[i] * row).norm(), 1e-6 * row.norm());
+  const Eigen::VectorXd sum = model.basis().projectAll(moved);
+  EXPECT_LT((sum - model.basis().roughProjectAll(moved)).norm(), 1e-6 * sum.norm());
+  const Eigen::VectorXd weights = Eigen::VectorXd::LinSpaced(moved.rows(), 0, 1);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(MotionBasis::columns, MotionBasis::columns);
+  Eigen::VectorXd row(MotionBasis::columns);
+  for (int i = 0; i < moved.rows(); ++i) {
+    model.basis().project(i, moved.row(i).transpose(), row.data());
+    information += weights[i] * row * row.transpose();
   }
+  EXPECT_LT((model.basis().roughInformation(moved, weights) - information).norm(),
+            1e-6 * information.norm());
 }
 
 TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
+  const MotionModel model(e.map);
   const Eigen::VectorXd& areas = model.areas();
   const Eigen::RowVector3d centre = areas.transpose() * model.nodes() / areas.sum();
   const double radius = std::sqrt(areas.sum() / (4 * 3.14159265358979323846));
   const Points arms = (model.nodes().rowwise() - centre) / radius;
-  for (int k = 0; k < MotionModel::affineColumns; ++k) {
+  for (int k = 0; k < MotionBasis::affineColumns; ++k) {
     const Points moved =
-        model.movedNodes(unitCoefficient(MotionModel::localColumns + k)) - model.nodes();
+        model.movedNodes(unitCoefficient(MotionBasis::localColumns + k)) - model.nodes();
     if (k < 3) {
       EXPECT_LT((moved.rowwise() - Eigen::RowVector3d::Unit(k)).cwiseAbs().maxCoeff(), 1e-12);
       continue;
@@ -113,8 +114,8 @@ TEST(MotionModel, AffineColumnsTranslateStrainAndRotate) {
 
 /// The local columns as they move the nodes: 3 #N by 240.
 Eigen::MatrixXd localColumns(const MotionModel& model) {
-  Eigen::MatrixXd factor(3 * model.nodes().rows(), MotionModel::localColumns);
-  for (int k = 0; k < MotionModel::localColumns; ++k) {
+  Eigen::MatrixXd factor(3 * model.nodes().rows(), MotionBasis::localColumns);
+  for (int k = 0; k < MotionBasis::localColumns; ++k) {
     const Eigen::MatrixX3d moved = model.movedNodes(unitCoefficient(k)) - model.nodes();
     factor.col(k) = moved.reshaped<Eigen::RowMajor>();
   }
@@ -127,7 +128,7 @@ double radiusOf(const MotionModel& model) {
 
 TEST(MotionModel, LocalColumnsFactorTheKernel) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
+  const MotionModel model(e.map);
   const Eigen::MatrixXd factor = localColumns(model);
   const double radius = radiusOf(model);
   double worst = 0;
@@ -155,10 +156,10 @@ TEST(MotionModel, LocalColumnsTurnWithTheSurface) {
   const Eigen::Matrix3d rotation = test::randomRotation(3);
   const ClosedSurface straight(uneven, e.surface.faces(), "straight");
   const ClosedSurface turned(uneven * rotation.transpose(), e.surface.faces(), "turned");
-  const Eigen::MatrixXd here = localColumns(MotionModel(straight, e.map));
-  const Eigen::MatrixXd there = localColumns(MotionModel(turned, e.map));
+  const Eigen::MatrixXd here = localColumns(MotionModel(e.map.of(straight)));
+  const Eigen::MatrixXd there = localColumns(MotionModel(e.map.of(turned)));
   for (int i = 0; i < 1002; i += 100)
-    for (int k = 0; k < MotionModel::localColumns; k += 3)
+    for (int k = 0; k < MotionBasis::localColumns; k += 3)
       EXPECT_LT((rotation * here.block<3, 3>(3 * i, k) * rotation.transpose() -
                  there.block<3, 3>(3 * i, k))
                     .norm(),
@@ -167,9 +168,9 @@ TEST(MotionModel, LocalColumnsTurnWithTheSurface) {
 
 TEST(MotionModel, VerticesMoveWithTheTemplate) {
   const Ellipsoid e;
-  const MotionModel model(e.surface, e.map);
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(MotionModel::columns);
-  c.segment<3>(MotionModel::localColumns) << 3, -4, 5;
+  const MotionModel model(e.map);
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(MotionBasis::columns);
+  c.segment<3>(MotionBasis::localColumns) << 3, -4, 5;
   const Points moved = model.movedVertices(c) - e.surface.vertices();
   EXPECT_LT((moved.rowwise() - Eigen::RowVector3d(3, -4, 5)).cwiseAbs().maxCoeff(), 1e-12);
 }

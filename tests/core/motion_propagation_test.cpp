@@ -30,7 +30,7 @@ struct Contraction {
     }
   }
   FollowedMotion follow(const PropagationTree& tree, const std::optional<Arc>& closing = {}) const {
-    return followMotion(surfaces, SphereMap(surfaces[0], maps[0]), tree, pool, {}, closing);
+    return followMotion(surfaces, MappedSurface(surfaces[0], maps[0]), tree, pool, {}, closing);
   }
 };
 
@@ -38,7 +38,7 @@ TEST(MotionPropagation, ToTheSameSurfaceIsTheIdentity) {
   const Contraction one(1);
   const std::vector<ClosedSurface> twice = {one.surfaces[0], one.surfaces[0]};
   const FollowedMotion followed =
-      followMotion(twice, SphereMap(twice[0], one.maps[0]), star(2, 0), pool);
+      followMotion(twice, MappedSurface(twice[0], one.maps[0]), star(2, 0), pool);
   ASSERT_TRUE(followed.layers[1]);
   EXPECT_FALSE(followed.layers[0]);
   EXPECT_LT(
@@ -129,7 +129,7 @@ TEST(MotionPropagation, ACycleIsTheSameWithAnyNumberOfThreads) {
   const Contraction sequence(12);
   const PropagationTree tree = cyclicTimeOrder(12, 0);
   ThreadPool one(1), several(3);
-  const SphereMap rootMap(sequence.surfaces[0], sequence.maps[0]);
+  const MappedSurface rootMap(sequence.surfaces[0], sequence.maps[0]);
   const FollowedMotion a = followMotion(sequence.surfaces, rootMap, tree, one, {},
                                         closingArc(12, 0)),
                        b = followMotion(sequence.surfaces, rootMap, tree, several, {},

@@ -28,9 +28,9 @@ Eigen::Matrix3d turnAbout(const Vector3& axis, double angle) {
 }
 
 /// An ellipsoid that grows thinner, on meshes that have nothing to do with each other.
-struct Sequence {
+struct Phases {
   std::vector<ClosedSurface> surfaces;
-  explicit Sequence(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
+  explicit Phases(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
     for (int i = 0; i < layers; ++i) {
       // Turning the sphere before it is stretched gives the same ellipsoid by other vertices.
       Mesh mesh = test::transformed(test::icosphereMesh(6 + i % 2), test::randomRotation(100 + i),
@@ -40,12 +40,12 @@ struct Sequence {
                                    "phase " + std::to_string(i)));
     }
   }
-  SphereMap map(
+  MappedSurface map(
       int layer) const {  // the central projection: valid for what is convex about its middle
     Points positions = surfaces[layer].vertices();
     positions.rowwise() -= positions.colwise().mean().eval();
     positions.rowwise().normalize();
-    return SphereMap(surfaces[layer], positions);
+    return MappedSurface(surfaces[layer], positions);
   }
   /// The same with the second layer in another place.
   std::vector<ClosedSurface> withSecondMoved(const Eigen::Matrix3d& rotation, double scale,
@@ -61,41 +61,41 @@ struct Sequence {
   }
 };
 
-TEST(RobustPropagation, ToTheSameSurfaceIsTheIdentity) {
+TEST(AlignedPropagation, ToTheSameSurfaceIsTheIdentity) {
   const ClosedSurface surface = surfaceOf(test::noisyEllipsoid(1));
-  const SphereMap map(surface, test::icosphereMesh(8).vertices);
-  const RobustPropagation result = propagateRobustly(surface, map, surface);
+  const MappedSurface map(surface, test::icosphereMesh(8).vertices);
+  const TransferredMap result = propagateAligned(map, surface);
   EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-12);
   EXPECT_EQ(result.repairedFaces, 0);
-  EXPECT_LT(result.residualMean, 1e-12);
-  EXPECT_LT(result.residualP95, 1e-12);
+  EXPECT_LT(result.residual.mean, 1e-12);
+  EXPECT_LT(result.residual.p95, 1e-12);
 }
 
-TEST(RobustPropagation, ToARigidlyMovedCopyIsTheIdentity) {
+TEST(AlignedPropagation, ToARigidlyMovedCopyIsTheIdentity) {
   const Mesh mesh = test::noisyEllipsoid(2);
   const ClosedSurface reference = surfaceOf(mesh);
-  const SphereMap map(reference, test::icosphereMesh(8).vertices);
+  const MappedSurface map(reference, test::icosphereMesh(8).vertices);
   const Mesh moved =
       test::transformed(mesh, turnAbout(Vector3(1, 2, 3), 0.15), 1, Vector3(100, 0, -7));
-  const RobustPropagation result = propagateRobustly(reference, map, surfaceOf(moved));
+  const TransferredMap result = propagateAligned(map, surfaceOf(moved));
   EXPECT_LT(largestDistance(result.map.positions(), map.positions()), 1e-9);
-  EXPECT_LT(result.residualP95, 1e-9);
+  EXPECT_LT(result.residual.p95, 1e-9);
 }
 
-TEST(RobustPropagation, FollowsADilation) {
+TEST(AlignedPropagation, FollowsADilation) {
   const Mesh mesh = test::noisyEllipsoid(3);
   const ClosedSurface reference = surfaceOf(mesh);
-  const SphereMap map(reference, test::icosphereMesh(8).vertices);
+  const MappedSurface map(reference, test::icosphereMesh(8).vertices);
   Mesh dilated = mesh;
   dilated.vertices *= Vector3(1.1, 0.95, 0.9).asDiagonal();
-  const RobustPropagation result = propagateRobustly(reference, map, surfaceOf(dilated));
+  const TransferredMap result = propagateAligned(map, surfaceOf(dilated));
   EXPECT_LT((result.map.positions() - map.positions()).rowwise().norm().mean(), 0.03);
 }
 
-TEST(RobustPropagation, TurnsWithTheSurfacesAndIgnoresScale) {
-  const Sequence sequence(2);
-  const SphereMap map = sequence.map(0);
-  const RobustPropagation here = propagateRobustly(sequence.surfaces[0], map, sequence.surfaces[1]);
+TEST(AlignedPropagation, TurnsWithTheSurfacesAndIgnoresScale) {
+  const Phases sequence(2);
+  const MappedSurface map = sequence.map(0);
+  const TransferredMap here = propagateAligned(map, sequence.surfaces[1]);
   const Eigen::Matrix3d rotation = test::randomRotation(7);
   for (double scale : {0.01, 1.0, 1000.0}) {
     const auto moved = [&](int i) {
@@ -104,40 +104,40 @@ TEST(RobustPropagation, TurnsWithTheSurfacesAndIgnoresScale) {
                                          Vector3(9, i, -40)));
     };
     const ClosedSurface reference = moved(0), target = moved(1);
-    const RobustPropagation there =
-        propagateRobustly(reference, SphereMap(reference, map.positions()), target);
+    const TransferredMap there =
+        propagateAligned(MappedSurface(reference, map.positions()), target);
     EXPECT_LT(largestDistance(there.map.positions(), here.map.positions()), 1e-9);
-    EXPECT_NEAR(there.residualMean, scale * here.residualMean, 1e-9 * scale);
+    EXPECT_NEAR(there.residual.mean, scale * here.residual.mean, 1e-9 * scale);
   }
 }
 
 TEST(Propagation, GoesAlongTheTree) {
-  const Sequence sequence(5);
+  const Phases sequence(5);
   for (const PropagationTree& tree :
        {timeOrder(5, 2), cyclicTimeOrder(5, 2), star(5, 2), givenOrder({4, 0, -1, 2, 2})}) {
-    const SphereMap root = sequence.map(2);
+    const MappedSurface root = sequence.map(2);
     const std::vector<PropagatedLayer> layers = propagate(sequence.surfaces, root, tree).layers;
     ASSERT_EQ(layers.size(), 5U);
     for (int i = 0; i < 5; ++i) {
       EXPECT_EQ(layers[i].parent, tree.parent[i]);
-      EXPECT_TRUE(certify(sequence.surfaces[i].faces(), layers[i].map.positions()).valid());
+      EXPECT_TRUE(certify(sequence.surfaces[i].faces(), layers[i].map().positions()).valid());
       if (i == 2) continue;
       EXPECT_GT(layers[i].seconds, 0);
       // The ellipsoids are images of each other, and the map says so.
-      EXPECT_LT((layers[i].map.positions() - sequence.map(i).positions()).rowwise().norm().mean(),
+      EXPECT_LT((layers[i].map().positions() - sequence.map(i).positions()).rowwise().norm().mean(),
                 0.1)
           << i;
     }
-    EXPECT_EQ(layers[2].map.positions(), root.positions());
-    EXPECT_EQ(layers[2].repairedFaces, 0);
-    EXPECT_EQ(layers[2].residualMean, 0);
+    EXPECT_EQ(layers[2].map().positions(), root.positions());
+    EXPECT_EQ(layers[2].transferred.repairedFaces, 0);
+    EXPECT_EQ(layers[2].transferred.residual.mean, 0);
     EXPECT_EQ(layers[2].seconds, 0);
   }
 }
 
 TEST(Propagation, FindsALayerInAnotherPose) {
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
   const std::vector<ClosedSurface> surfaces =
       sequence.withSecondMoved(turnAbout(Vector3(1, 2, 3), 0.4), 1, Vector3(200, 0, 0));
   const PropagationTree tree = timeOrder(3, 0);
@@ -146,14 +146,16 @@ TEST(Propagation, FindsALayerInAnotherPose) {
   for (const PropagatedLayer& layer : layers) EXPECT_EQ(layer.route, Route::Method);
   EXPECT_TRUE(layers[1].pose.moved);
   EXPECT_FALSE(layers[2].pose.moved);
-  EXPECT_LT((layers[1].map.positions() - sequence.map(1).positions()).rowwise().norm().mean(), 0.1);
-  EXPECT_LT((layers[2].map.positions() - sequence.map(2).positions()).rowwise().norm().mean(), 0.1);
+  EXPECT_LT((layers[1].map().positions() - sequence.map(1).positions()).rowwise().norm().mean(),
+            0.1);
+  EXPECT_LT((layers[2].map().positions() - sequence.map(2).positions()).rowwise().norm().mean(),
+            0.1);
 }
 
 TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   // The second layer is ten times as large: no fit of neighbours in time follows that.
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
   const std::vector<ClosedSurface> surfaces =
       sequence.withSecondMoved(Eigen::Matrix3d::Identity(), 10, Vector3::Zero());
   const PropagationTree tree = timeOrder(3, 0);
@@ -161,49 +163,48 @@ TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
   ASSERT_FALSE(layers[1].pose.moved);
   EXPECT_NEAR(layers[1].relativeSize, 10, 1);
   ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
-  const RobustPropagation arc = propagateRobustly(surfaces[0], root, surfaces[1]);
+  const TransferredMap arc = propagateAligned(root, surfaces[1]);
   EXPECT_EQ(layers[1].route, Route::Alignment);
   EXPECT_EQ(layers[0].route, Route::Method);
-  EXPECT_EQ(layers[1].map.positions(), arc.map.positions());
-  EXPECT_EQ(layers[1].repairedFaces, arc.repairedFaces);
-  EXPECT_EQ(layers[1].residualMean, arc.residualMean);
-  EXPECT_EQ(layers[1].residualP95, arc.residualP95);
+  EXPECT_EQ(layers[1].map().positions(), arc.map.positions());
+  EXPECT_EQ(layers[1].transferred.repairedFaces, arc.repairedFaces);
+  EXPECT_EQ(layers[1].transferred.residual.mean, arc.residual.mean);
+  EXPECT_EQ(layers[1].transferred.residual.p95, arc.residual.p95);
 }
 
 TEST(Propagation, AsPublishedTakesItsParameters) {
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
   PropagationParameters parameters;
   parameters.method = PropagationMethod::AsPublished;
   parameters.published.smoothingSweeps = 3;
   const std::vector<PropagatedLayer> layers =
       propagate(sequence.surfaces, root, timeOrder(3, 0), parameters).layers;
-  const PublishedPropagation arc = propagateAsPublished(sequence.surfaces[1], layers[1].map,
-                                                        sequence.surfaces[2], parameters.published);
-  EXPECT_EQ(layers[2].map.positions(), arc.map.positions());
-  EXPECT_EQ(layers[2].residualP95, arc.residualP95);
-  EXPECT_NE(layers[2].map.positions(),
-            propagate(sequence.surfaces, root, timeOrder(3, 0)).layers[2].map.positions());
+  const TransferredMap arc =
+      propagateAsPublished(layers[1].map(), sequence.surfaces[2], parameters.published);
+  EXPECT_EQ(layers[2].map().positions(), arc.map.positions());
+  EXPECT_EQ(layers[2].transferred.residual.p95, arc.residual.p95);
+  EXPECT_NE(layers[2].map().positions(),
+            propagate(sequence.surfaces, root, timeOrder(3, 0)).layers[2].map().positions());
 }
 
 TEST(Propagation, WhatIsRestoredDoesNotGoDownTheTree) {
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
   const PropagationTree tree = timeOrder(3, 0);
   const std::vector<PropagatedLayer> plain = propagate(sequence.surfaces, root, tree).layers;
   const std::vector<PropagatedLayer> restored =
       propagate(sequence.surfaces, root, tree, {PropagationMethod::Robust, {}, 0.5}).layers;
-  EXPECT_EQ(restored[0].map.positions(), root.positions());
+  EXPECT_EQ(restored[0].map().positions(), root.positions());
   for (int i : {1, 2}) {
-    EXPECT_EQ(restored[i].map.positions(),
-              restoreArea(sequence.surfaces[i], plain[i].map, 0.5).positions());
-    EXPECT_NE(restored[i].map.positions(), plain[i].map.positions());
-    EXPECT_EQ(restored[i].residualMean, plain[i].residualMean);
+    EXPECT_EQ(restored[i].map().positions(), restoreArea(plain[i].map(), 0.5).positions());
+    EXPECT_NE(restored[i].map().positions(), plain[i].map().positions());
+    EXPECT_EQ(restored[i].transferred.residual.mean, plain[i].transferred.residual.mean);
   }
 }
 
 TEST(Propagation, TellsItsProgress) {
-  const Sequence sequence(4);
+  const Phases sequence(4);
   for (double restoration : {0.0, 0.3}) {
     std::vector<double> told;
     const std::thread::id here = std::this_thread::get_id();
@@ -222,7 +223,7 @@ TEST(Propagation, TellsItsProgress) {
 }
 
 TEST(Propagation, OneLayerIsTheRoot) {
-  const Sequence sequence(1);
+  const Phases sequence(1);
   std::vector<double> told;
   const std::vector<PropagatedLayer> layers =
       propagate(sequence.surfaces, sequence.map(0), star(1, 0), {}, [&](double fraction) {
@@ -234,8 +235,8 @@ TEST(Propagation, OneLayerIsTheRoot) {
 }
 
 TEST(Propagation, ComparesTheBranchesOfACycle) {
-  const Sequence sequence(5);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(5);
+  const MappedSurface root = sequence.map(0);
   PropagationParameters parameters;
   const Propagation open = propagate(sequence.surfaces, root, cyclicTimeOrder(5, 0), parameters);
   EXPECT_FALSE(open.closing);
@@ -251,14 +252,12 @@ TEST(Propagation, ComparesTheBranchesOfACycle) {
     EXPECT_LE(closed.closing->distance.mean, closed.closing->distance.p95);
     EXPECT_EQ(closed.averaged, method == PropagationMethod::Robust ? 4 : 0);
     if (method == PropagationMethod::AsPublished) continue;
-    EXPECT_EQ(closed.layers[0].map.positions(), open.layers[0].map.positions());
+    EXPECT_EQ(closed.layers[0].map().positions(), open.layers[0].map().positions());
     for (size_t i = 1; i < 5;
          ++i) {  // both ways round are averaged; who hands the map to whom stays the tree's
       EXPECT_EQ(closed.layers[i].parent, open.layers[i].parent);
-      EXPECT_NE(closed.layers[i].map.positions(), open.layers[i].map.positions());
-      EXPECT_LT(differenceOf(sequence.surfaces[i], closed.layers[i].map, open.layers[i].map)
-                    .distance.mean,
-                1);
+      EXPECT_NE(closed.layers[i].map().positions(), open.layers[i].map().positions());
+      EXPECT_LT(differenceOf(closed.layers[i].map(), open.layers[i].map()).distance.mean, 1);
     }
   }
   parameters.closing = Arc{0, 5};
@@ -267,7 +266,7 @@ TEST(Propagation, ComparesTheBranchesOfACycle) {
 }
 
 TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
-  const Sequence sequence(3);
+  const Phases sequence(3);
   for (PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished}) {
     PropagationParameters parameters;
     parameters.method = method;
@@ -275,16 +274,17 @@ TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
         propagate(sequence.surfaces, sequence.map(0), timeOrder(3, 0), parameters);
     for (size_t i = 0; i < 3; ++i) {
       const PropagatedLayer& layer = made.layers[i];
-      ASSERT_EQ(layer.distances.size(), static_cast<size_t>(sequence.surfaces[i].vertexCount()));
-      EXPECT_EQ(residualOf(layer.distances).mean, layer.residualMean);
+      ASSERT_EQ(layer.transferred.distances.size(),
+                static_cast<size_t>(sequence.surfaces[i].vertexCount()));
+      EXPECT_EQ(residualOf(layer.transferred.distances).mean, layer.transferred.residual.mean);
     }
-    EXPECT_EQ(residualOf(made.layers[0].distances).p95, 0);
+    EXPECT_EQ(residualOf(made.layers[0].transferred.distances).p95, 0);
   }
 }
 
 TEST(Propagation, RefusesLayersInDifferentUnits) {
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
   for (double scale : {0.001, 1000.0, 1e-30, 1e30}) {
     std::vector<ClosedSurface> surfaces;
     for (size_t i = 0; i < 3; ++i)
@@ -310,10 +310,10 @@ TEST(Propagation, RefusesLayersInDifferentUnits) {
 }
 
 TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {
-  const Sequence sequence(13);
+  const Phases sequence(13);
   PropagationParameters parameters;
   for (const PropagationTree& tree : {cyclicTimeOrder(13, 3), star(13, 0)}) {
-    const SphereMap root = sequence.map(tree.root());
+    const MappedSurface root = sequence.map(tree.root());
     parameters.threads = 1;
     const Propagation one = propagate(sequence.surfaces, root, tree, parameters);
     ASSERT_TRUE(one.learnt);
@@ -321,8 +321,9 @@ TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {
       parameters.threads = threads;
       const Propagation many = propagate(sequence.surfaces, root, tree, parameters);
       for (size_t i = 0; i < 13; ++i) {
-        EXPECT_EQ(many.layers[i].map.positions(), one.layers[i].map.positions());
-        EXPECT_EQ(many.layers[i].residualMean, one.layers[i].residualMean);
+        EXPECT_EQ(many.layers[i].map().positions(), one.layers[i].map().positions());
+        EXPECT_EQ(many.layers[i].transferred.residual.mean,
+                  one.layers[i].transferred.residual.mean);
       }
       EXPECT_EQ(many.learnt->rotation, one.learnt->rotation);
     }
@@ -341,7 +342,7 @@ TEST(Propagation, AnErrorNamesTheLayer) {
   const std::vector<ClosedSurface> surfaces = {surfaceOf(flat, "first phase"),
                                                surfaceOf(flat, "second phase"),
                                                surfaceOf(reversed, "third phase")};
-  const SphereMap root(surfaces[0], test::tetrahedron().vertices);
+  const MappedSurface root(surfaces[0], test::tetrahedron().vertices);
   PropagationParameters parameters;
   parameters.method = PropagationMethod::AsPublished;
   parameters.published.smoothingSweeps = 0;  // four vertices shrink to a point
@@ -356,16 +357,16 @@ TEST(Propagation, AnErrorNamesTheLayer) {
   // The motion model fits no flat shape, but what can be mended is no error.
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0)).layers;
   for (size_t i = 0; i < 3; ++i)
-    EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map.positions()).valid());
+    EXPECT_TRUE(certify(surfaces[i].faces(), layers[i].map().positions()).valid());
 }
 
 TEST(Propagation, RefusesWhatDoesNotFit) {
-  const Sequence sequence(3);
-  const SphereMap root = sequence.map(0);
-  EXPECT_THROW(propagate({}, root, star(1, 0)), ParameterError);
+  const Phases sequence(3);
+  const MappedSurface root = sequence.map(0);
+  EXPECT_THROW(propagate(std::vector<ClosedSurface>(), root, star(1, 0)), ParameterError);
   EXPECT_THROW(propagate(sequence.surfaces, root, star(2, 0)), ParameterError);
   EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 1)),
-               ParameterError);  // another number of vertices
+               ParameterError);  // other faces
   for (double restoration : {-0.1, 1.1})
     EXPECT_THROW(propagate(sequence.surfaces, root, star(3, 0),
                            {PropagationMethod::Robust, {}, restoration}),

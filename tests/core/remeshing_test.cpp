@@ -21,7 +21,7 @@ TEST(Remeshing, AnIcosphereMappedToItselfComesBack) {
   for (const int f : {1, 2, 3, 10}) {
     const Icosphere sphere = icosphere(f);
     const ClosedSurface surface(sphere.vertices, sphere.faces);
-    const Remeshed result = remesh(surface, SphereMap(surface, sphere.vertices), sphere.vertices);
+    const Remeshed result = remesh(MappedSurface(surface, sphere.vertices), sphere.vertices);
     EXPECT_LT((result.landmarks - sphere.vertices).rowwise().norm().maxCoeff(), 1e-14);
     const SurfaceDistance distance = surfaceDistance(result.landmarks, sphere.faces, surface);
     EXPECT_LT(distance.max, 1e-14);
@@ -31,7 +31,7 @@ TEST(Remeshing, AnIcosphereMappedToItselfComesBack) {
 TEST(Remeshing, AFinerIcosphereSamplesTheFlatFaces) {
   const Icosphere coarse = icosphere(3), fine = icosphere(12);
   const ClosedSurface surface(coarse.vertices, coarse.faces);
-  const Remeshed result = remesh(surface, SphereMap(surface, coarse.vertices), fine.vertices);
+  const Remeshed result = remesh(MappedSurface(surface, coarse.vertices), fine.vertices);
   for (Eigen::Index j = 0; j < fine.vertices.rows();
        ++j)  // along its own direction, below the sphere
     EXPECT_LT((result.landmarks.row(j).normalized() - fine.vertices.row(j)).norm(), 1e-14);
@@ -51,8 +51,8 @@ TEST(Remeshing, ALinearMapOfTheSphereCarriesOver) {
   const ClosedSurface surface((mesh.vertices * linear.transpose()).rowwise() + shift, mesh.faces);
   const ClosedSurface sphere(mesh.vertices, mesh.faces);
   const Points directions = icosphere(10).vertices;
-  const Points flat = remesh(sphere, SphereMap(sphere, mesh.vertices), directions).landmarks;
-  const Points landmarks = remesh(surface, SphereMap(surface, mesh.vertices), directions).landmarks;
+  const Points flat = remesh(MappedSurface(sphere, mesh.vertices), directions).landmarks;
+  const Points landmarks = remesh(MappedSurface(surface, mesh.vertices), directions).landmarks;
   EXPECT_LT(
       (landmarks - ((flat * linear.transpose()).rowwise() + shift)).rowwise().norm().maxCoeff(),
       1e-12);
@@ -63,22 +63,20 @@ TEST(Remeshing, TurningMapAndDirectionsTogetherChangesNothing) {
   const Mesh map = icosphereMesh(8);
   const ClosedSurface surface(shape.vertices, shape.faces);
   const Points directions = icosphere(9).vertices;
-  const Points before = remesh(surface, SphereMap(surface, map.vertices), directions).landmarks;
+  const Points before = remesh(MappedSurface(surface, map.vertices), directions).landmarks;
   const Eigen::Matrix3d turn = randomRotation(6);
   const Points turnedMap = (map.vertices * turn.transpose()).rowwise().normalized();
   const Points after =
-      remesh(surface, SphereMap(surface, turnedMap), directions * turn.transpose()).landmarks;
+      remesh(MappedSurface(surface, turnedMap), directions * turn.transpose()).landmarks;
   EXPECT_LT((before - after).rowwise().norm().maxCoeff(), 1e-11);
-  EXPECT_EQ(
-      before,
-      remesh(surface, SphereMap(surface, map.vertices), directions).landmarks);  // bit for bit
+  EXPECT_EQ(before,
+            remesh(MappedSurface(surface, map.vertices), directions).landmarks);  // bit for bit
 }
 
 TEST(Remeshing, BadDirection) {
   const Mesh mesh = octahedron();
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  EXPECT_THROW(remesh(surface, SphereMap(surface, mesh.vertices), Points::Zero(1, 3)),
-               ParameterError);
+  EXPECT_THROW(remesh(MappedSurface(surface, mesh.vertices), Points::Zero(1, 3)), ParameterError);
 }
 
 TEST(SurfaceDistance, OfConcentricCopies) {
@@ -110,11 +108,10 @@ TEST(SurfaceDistance, WeighsByArea) {
 TEST(SurfaceDistance, FallsWithTheSquareOfTheSpacing) {
   const Mesh mesh = ellipsoid(3, 2, 1, 40), map = icosphereMesh(40);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  const SphereMap sphere(surface, map.vertices);
+  const MappedSurface sphere(surface, map.vertices);
   const auto distance = [&](int f) {
     const Icosphere ico = icosphere(f);
-    return surfaceDistance(remesh(surface, sphere, ico.vertices).landmarks, ico.faces, surface)
-        .mean;
+    return surfaceDistance(remesh(sphere, ico.vertices).landmarks, ico.faces, surface).mean;
   };
   const double ratio = distance(5) / distance(10);
   EXPECT_GT(ratio, 3.4);
@@ -136,18 +133,18 @@ TEST(IcosphereRemesher, SamplesAndMeasuresAsWithoutHints) {
   for (const Mesh& shape : {ellipsoid(3, 2, 1, 16), cup(0.2, 40, 40), ellipsoid(1, 1, 30, 16)}) {
     const bool own = shape.vertices.rows() != turned.rows();
     const ClosedSurface surface(shape.vertices, shape.faces);
-    const SphereMap sphere =
-        own ? makeRootMap(surface).map : SphereMap(surface, turned.rowwise().normalized());
+    const MappedSurface sphere =
+        own ? makeRootMap(surface).map : MappedSurface(surface, turned.rowwise().normalized());
     for (const int frequency : {1, 4, 10, 30}) {
       const IcosphereRemesher remesher(frequency);
       const Points& directions = remesher.sphere().vertices;
-      const Remeshed remeshed = remesher.remesh(surface, sphere);
-      EXPECT_EQ(remeshed.landmarks, remesh(surface, sphere, directions).landmarks);
-      const SphereLocator locator(surface, sphere);
+      const Remeshed remeshed = remesher.remesh(sphere);
+      EXPECT_EQ(remeshed.landmarks, remesh(sphere, directions).landmarks);
+      const SphereLocator locator(sphere);
       for (Eigen::Index j = 0; j < directions.rows(); ++j)
         EXPECT_EQ(remeshed.faces[static_cast<size_t>(j)],
                   locator.locate(directions.row(j).transpose()).face);
-      const SurfaceDistance found = remesher.distance(remeshed, surface, sphere);
+      const SurfaceDistance found = remesher.distance(remeshed, sphere);
       const SurfaceDistance expected =
           surfaceDistance(remeshed.landmarks, remesher.sphere().faces, surface);
       EXPECT_NEAR(found.mean, expected.mean, 1e-14);

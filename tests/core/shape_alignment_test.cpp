@@ -28,11 +28,11 @@ Mesh bumpy(int frequency, unsigned seed) {
 
 TEST(ShapeAlignment, FindsAnyPose) {
   const Mesh mesh = bumpy(10, 1), other = bumpy(9, 2);  // the same shape on two meshes
-  const AlignedShape to(surfaceOf(mesh));
+  const PreparedSurface to(surfaceOf(mesh));
   for (unsigned seed = 0; seed < 12; ++seed) {
     const Eigen::Matrix3d rotation = test::randomRotation(100 + seed);
     const Vector3 shift(5.0 * seed, -40, 100);
-    const AlignedShape from(surfaceOf(test::transformed(other, rotation, 1, shift)));
+    const PreparedSurface from(surfaceOf(test::transformed(other, rotation, 1, shift)));
     const RigidMotion found = motionFromAnywhere(from, to);
     EXPECT_LT((found.rotation * rotation - Eigen::Matrix3d::Identity()).norm(), 0.02) << seed;
     EXPECT_LT((found.rotation * shift + found.translation).norm(), 0.3) << seed;
@@ -45,9 +45,9 @@ TEST(ShapeAlignment, FindsTheSamePoseInAnyUnit) {
   const Mesh mesh = bumpy(10, 1), other = bumpy(9, 2);
   const Eigen::Matrix3d rotation = test::randomRotation(101);
   const auto found = [&](double unit) {
-    const AlignedShape to(
+    const PreparedSurface to(
         surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), unit, Vector3::Zero())));
-    const AlignedShape from(
+    const PreparedSurface from(
         surfaceOf(test::transformed(other, rotation, unit, unit * Vector3(5, -40, 100))));
     return motionFromAnywhere(from, to);
   };
@@ -60,14 +60,14 @@ TEST(ShapeAlignment, FindsTheSamePoseInAnyUnit) {
 }
 
 TEST(ShapeAlignment, DistanceIsZeroOnItselfAndSymmetric) {
-  const AlignedShape a(surfaceOf(bumpy(8, 3))), b(surfaceOf(test::noisyEllipsoid(4)));
+  const PreparedSurface a(surfaceOf(bumpy(8, 3))), b(surfaceOf(test::noisyEllipsoid(4)));
   EXPECT_LT(shapeDistance(a, a), 1e-12);
   const RigidMotion motion{test::randomRotation(5), Vector3(1, 2, 3)};
   EXPECT_NEAR(shapeDistance(a, b, motion), shapeDistance(b, a, motion.inverse()), 1e-9);
 }
 
 TEST(ShapeAlignment, KnowsTheSphereByItsArea) {
-  const AlignedShape sphere(surfaceOf(test::transformed(
+  const PreparedSurface sphere(surfaceOf(test::transformed(
       test::icosphereMesh(10), Eigen::Matrix3d::Identity(), 7, Vector3(1, 2, 3))));
   EXPECT_NEAR(sphere.radius(), 7, 0.05);
   EXPECT_LT((sphere.centre() - Vector3(1, 2, 3)).norm(), 1e-6);
@@ -76,10 +76,10 @@ TEST(ShapeAlignment, KnowsTheSphereByItsArea) {
 
 TEST(ShapeAlignment, NoPoseUndoesADifferenceOfVolumes) {
   const Mesh mesh = bumpy(10, 1);
-  const AlignedShape shape(surfaceOf(mesh));
+  const PreparedSurface shape(surfaceOf(mesh));
   EXPECT_NEAR(minShapeDistance(shape, shape), 0, 1e-12);
   for (double scale : {0.8, 0.95, 1.3}) {
-    const AlignedShape other(
+    const PreparedSurface other(
         surfaceOf(test::transformed(mesh, test::randomRotation(3), scale, Vector3(1, 2, 3))));
     const double found = shapeDistance(other, shape, motionFromAnywhere(other, shape));
     EXPECT_LT(minShapeDistance(other, shape), found) << scale;
@@ -89,7 +89,7 @@ TEST(ShapeAlignment, NoPoseUndoesADifferenceOfVolumes) {
 }
 
 TEST(ShapeAlignment, MirrorImagesDoNotFit) {
-  const AlignedShape shape(surfaceOf(bumpy(10, 1))),
+  const PreparedSurface shape(surfaceOf(bumpy(10, 1))),
       mirrored(surfaceOf(test::mirrored(bumpy(10, 1))));
   EXPECT_GT(shapeDistance(mirrored, shape, motionFromAnywhere(mirrored, shape)), 0.5);
 }

@@ -47,7 +47,8 @@ TEST(ShapeDistances, KeepTheScale) {
   const auto scaled = [&](double scale) {
     return surfaceOf(test::transformed(mesh, Eigen::Matrix3d::Identity(), scale, Vector3::Zero()));
   };
-  const Eigen::MatrixXd distances = shapeDistances({scaled(1), scaled(1.1), scaled(1.3)}, pool);
+  const Eigen::MatrixXd distances =
+      shapeDistances(std::vector<ClosedSurface>{scaled(1), scaled(1.1), scaled(1.3)}, pool);
   EXPECT_NEAR(distances(0, 1), 1, 0.05);
   EXPECT_NEAR(distances(0, 2), 3, 0.15);
   EXPECT_NEAR(distances(1, 2), 2, 0.1);
@@ -74,7 +75,7 @@ TEST(ShapeDistances, OfTheSmallestMeshes) {
   const Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
   EXPECT_TRUE(distances.allFinite());
   EXPECT_GT(distances(0, 1), 0);
-  EXPECT_EQ(shapeDistances({}, pool).size(), 0);
+  EXPECT_EQ(shapeDistances(std::vector<ClosedSurface>(), pool).size(), 0);
 }
 
 TEST(MinimumSpanningTree, ByHand) {
@@ -157,7 +158,7 @@ TEST(SimilarityTree, OneLayerAndNone) {
   const std::vector<ClosedSurface> one = family({0}, false);
   EXPECT_EQ(similarityTree(one, 0, pool).tree.parent, (std::vector<int>{-1}));
   EXPECT_THROW(similarityTree(one, 1, pool), ParameterError);
-  EXPECT_THROW(similarityTree({}, 0, pool), ParameterError);
+  EXPECT_THROW(similarityTree(std::vector<ClosedSurface>(), 0, pool), ParameterError);
 }
 
 }  // namespace

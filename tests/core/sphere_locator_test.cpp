@@ -19,10 +19,10 @@ namespace {
 /// A mesh on the sphere, mapped to itself.
 struct Located {
   ClosedSurface surface;
-  SphereMap map;
+  MappedSurface map;
   SphereLocator locator;
   explicit Located(const Mesh& mesh)
-      : surface(mesh.vertices, mesh.faces), map(surface, mesh.vertices), locator(surface, map) {}
+      : surface(mesh.vertices, mesh.faces), map(surface, mesh.vertices), locator(map) {}
 
   Vector3 at(const SurfacePoint& p) const {
     return p.interpolate(surface.faces(), map.positions());
@@ -173,7 +173,7 @@ TEST(SphereWalk, AnswersAsTheLocatorDoes) {
   for (const Mesh& mesh : {octahedron(), icosphereMesh(10), turned,
                            transformed(rings(1e-6), randomRotation(5), 1, {0, 0, 0})}) {
     const Located sphere(mesh);
-    SphereWalk walk(sphere.surface, sphere.map);
+    SphereWalk walk(sphere.map);
     const auto expectSame = [&](const Vector3& p) {
       const SurfacePoint found = walk.locate(p), expected = sphere.locator.locate(p);
       EXPECT_EQ(found.face, expected.face);

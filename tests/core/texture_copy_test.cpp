@@ -22,7 +22,7 @@ struct Copied {
 Copied throughTexture(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Copied result;
-  result.copy = copyToTexture(surface, SphereMap(surface, mesh.vertices));
+  result.copy = copyToTexture(MappedSurface(surface, mesh.vertices));
   result.positions = positionsFromTexture(result.copy.coordinates);
   result.farthest = (result.positions - mesh.vertices).rowwise().norm().maxCoeff();
   result.certified = certify(mesh.faces, result.positions).valid();

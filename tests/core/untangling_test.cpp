@@ -111,7 +111,7 @@ TEST(Untangling, FindsAPlaceForPositionsThatAreNoNumbers) {
   positions(300, 2) = -infinity;
   positions.row(400).setZero();
   for (int w : surface.ring(500)) positions.row(w).setConstant(nan);
-  const Untangled result = untangle(surface, positions);  // a SphereMap is valid by type
+  const Untangled result = untangle(surface, positions);  // a MappedSurface is valid by type
   EXPECT_GE(result.repairedFaces, 4 * 5);
   EXPECT_LT((result.map.position(10) - mesh.vertices.row(10).transpose()).norm(), 0.1);
 }

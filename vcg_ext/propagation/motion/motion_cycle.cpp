@@ -10,7 +10,7 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
                                               const ClosedCycle& cycle, const MotionFit& fit,
                                               const MotionPrior& prior, ThreadPool& pool) {
   const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
-  std::vector<Eigen::VectorXd> around(brought.size(), Eigen::VectorXd::Zero(MotionModel::columns));
+  std::vector<Eigen::VectorXd> around(brought.size(), Eigen::VectorXd::Zero(MotionBasis::columns));
   pool.forEach(2, [&](int chain) {
     // The branch's last layer that was not lost; the root never is.
     const size_t layers = cycle.layers.size();

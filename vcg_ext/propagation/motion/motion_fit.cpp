@@ -9,7 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "vcg_ext/base/dense_kernels.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
@@ -48,8 +47,7 @@ struct DataTerm {
 /// ones on return.
 DataTerm dataTermAt(const MotionModel& model, const PreparedSurface& target,
                     const Eigen::VectorXd& c, std::vector<int>& nearby) {
-  const Points moved = model.movedNodes(c, MotionModel::Precision::Single),
-               normals = vertexNormals(moved, model.faces());
+  const Points moved = model.roughMovedNodes(c), normals = vertexNormals(moved, model.faces());
   const Eigen::Index count = moved.rows();
   std::vector<SurfacePoint> closest(static_cast<size_t>(count));
   std::vector<double> distances;
@@ -83,16 +81,15 @@ DataTerm dataTermAt(const MotionModel& model, const PreparedSurface& target,
   return data;
 }
 
-/// What the data term says of each coefficient: the sum of w_i (B_i^T m_i) (B_i^T m_i)^T.
+/// What the data term says of each coefficient: the sum of w_i (B_i^T m_i) (B_i^T m_i)^T. Rough,
+/// since it says how far to step, not where to.
 Eigen::MatrixXd informationOf(const MotionModel& model, const DataTerm& data) {
-  // In single precision: it says how far to step, not where to, and costs half.
-  return sumOfOuterProducts(model.projectEach(data.directions, data.weights.cwiseSqrt()))
-      .cast<double>();
+  return model.basis().roughInformation(data.directions, data.weights);
 }
 
 /// The gradient of the data term, for noise 1.
 Eigen::VectorXd pullOf(const MotionModel& model, const DataTerm& data) {
-  return model.projectAll(data.pull, MotionModel::Precision::Single);
+  return model.basis().roughProjectAll(data.pull);
 }
 
 /// Fits layer after layer. fitOne(fit so far, s, t): the arc from layer s to layer t.
@@ -101,7 +98,7 @@ MotionFit overTree(const Sequence& sequence, const PropagationTree& tree, Thread
                    const Progress& progress, const Function& fitOne) {
   MotionFit fit;
   const auto count = static_cast<size_t>(sequence.size());
-  fit.coefficients.assign(count, Eigen::VectorXd::Zero(MotionModel::columns));
+  fit.coefficients.assign(count, Eigen::VectorXd::Zero(MotionBasis::columns));
   fit.equations.resize(count);
   fit.factors.resize(count);
   fit.lost.assign(count, 0);

@@ -7,14 +7,14 @@
 #include <cmath>
 #include <utility>
 
-#include "vcg_ext/base/dense_kernels.h"
+#include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr int local = MotionModel::localColumns, affine = MotionModel::affineColumns,
-              all = MotionModel::columns;
+constexpr int local = MotionBasis::localColumns, affine = MotionBasis::affineColumns,
+              all = MotionBasis::columns;
 
 // Learning, all variances in units of A0/2.
 constexpr MotionVariances wideVariances{1, 2, 1, 0.5}, startVariances{0.15, 0.5, 0.5, 0.2};

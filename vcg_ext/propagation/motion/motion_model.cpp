@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_model.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 
-#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/sphere/sphere_locator.h"
 
@@ -16,176 +13,49 @@ constexpr int frequency = 10;  // of the template's icosphere: 1002 nodes
 // The unit of motion is that of a surface of at least so many vertices: a coarser one does not move
 // more.
 constexpr int minVertices = 5000;
-// Of the kernel, lengths in R. The curl-free part follows cavities better, the divergence-free one
-// walls; the Gaussian follows what neither allows, and is better on everything that the other two
-// were not chosen on.
-constexpr double gaussianShare = 0.5, gaussianLength = 0.35;
-constexpr double curlFreeShare = 0.225, curlFreeLength = 0.5;
-constexpr double divergenceFreeShare = 0.275, divergenceFreeLength = 0.4;
 
-/// The covariance of the displacements of two nodes that lie r apart, r in R.
-Eigen::Matrix3d kernel(const Vector3& r) {
-  const Vector3 a = r / curlFreeLength, b = r / divergenceFreeLength;
-  const double wg = gaussianShare * std::exp(-0.5 * (r / gaussianLength).squaredNorm());
-  const double wa = curlFreeShare * std::exp(-0.5 * a.squaredNorm());
-  const double wb = 0.5 * divergenceFreeShare * std::exp(-0.5 * b.squaredNorm());
-  return (wg + wa + wb * (2 - b.squaredNorm())) * Eigen::Matrix3d::Identity() -
-         wa * a * a.transpose() + wb * b * b.transpose();
+/// The icosphere through the root's map.
+Icosphere templateOf(const MappedSurface& root) {
+  Icosphere sphere = icosphere(frequency);
+  const SphereLocator under(root);
+  for (Eigen::Index i = 0; i < sphere.vertices.rows(); ++i)
+    sphere.vertices.row(i) = under.locate(sphere.vertices.row(i).transpose())
+                                 .interpolate(root.faces(), root.surface().vertices())
+                                 .transpose();
+  return sphere;
 }
 
-/// L with L L^T close to the kernel of all nodes: pivoted Cholesky by blocks of a node's three
-/// coordinates, so that the columns turn with the nodes. Next is the node with the largest
-/// unexplained variance x area.
-template <class Matrix>
-Matrix kernelFactor(const Points& nodes, const Eigen::VectorXd& areas, double radius) {
-  const Eigen::Index count = nodes.rows();
-  Matrix factor = Matrix::Zero(3 * count, Matrix::ColsAtCompileTime);
-  Eigen::VectorXd rest = Eigen::VectorXd::Constant(count, 3);
-  Eigen::MatrixX3d block(3 * count, 3);
-  for (int k = 0; k + 3 <= Matrix::ColsAtCompileTime; k += 3) {
-    Eigen::Index pivot = 0;
-    rest.cwiseProduct(areas).maxCoeff(&pivot);
-    if (!(rest[pivot] > 1e-12)) break;  // everything is explained
-    for (Eigen::Index i = 0; i < count; ++i)
-      block.middleRows<3>(3 * i) = kernel((nodes.row(i) - nodes.row(pivot)).transpose() / radius);
-    block.noalias() -= factor.leftCols(k) * factor.block(3 * pivot, 0, 3, k).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> unexplained(
-        block.middleRows<3>(3 * pivot));
-    const double least = 1e-12 * unexplained.eigenvalues().maxCoeff();
-    const Vector3 inverseRoots = unexplained.eigenvalues().unaryExpr(
-        [least](double x) { return x > least ? 1 / std::sqrt(x) : 0.0; });
-    const Eigen::Matrix3d& axes = unexplained.eigenvectors();
-    factor.template middleCols<3>(k).noalias() =
-        block * (axes * inverseRoots.asDiagonal() * axes.transpose());
-    for (Eigen::Index i = 0; i < count; ++i)
-      rest[i] = std::max(rest[i] - factor.template block<3, 3>(3 * i, k).squaredNorm(), 0.0);
-  }
-  return factor;
+/// Where each vertex lies in the template.
+std::vector<SurfacePoint> sitesOf(const MappedSurface& root) {
+  const Icosphere sphere = icosphere(frequency);
+  const SphereLocator under(
+      MappedSurface(ClosedSurface(sphere.vertices, sphere.faces, "icosphere"), sphere.vertices));
+  std::vector<SurfacePoint> sites;
+  sites.reserve(static_cast<size_t>(root.vertexCount()));
+  for (int v = 0; v < root.vertexCount(); ++v) sites.push_back(under.locate(root.position(v)));
+  return sites;
 }
 
-/// A linear function of lengths in single precision. They are counted in a power of two of their
-/// unit, which rounds nothing, so that no unit of length reaches the bounds of a float.
-template <class Function>
-Eigen::VectorXd inSingle(const Eigen::VectorXd& lengths, const Function& function) {
-  int exponent = 0;
-  std::frexp(lengths.size() > 0 ? lengths.lpNorm<Eigen::Infinity>() : 0.0, &exponent);
-  const double unit = std::ldexp(1.0, exponent);
-  const Eigen::VectorXf counted = (lengths / unit).cast<float>();
-  const Eigen::VectorXf found = function(counted);
-  return unit * found.cast<double>();
+double meanVertexAreaOf(const ClosedSurface& surface) {
+  return faceAreas(surface.vertices(), surface.faces()).sum() /
+         std::max(surface.vertexCount(), minVertices);
 }
 
 }  // namespace
 
-MotionModel::MotionModel(const MappedSurface& root) : vertices_(root.surface().vertices()) {
-  const ClosedSurface& surface = root.surface();
-  const Icosphere sphere = icosphere(frequency);
-  faces_ = sphere.faces;
-  const SphereLocator surfaceUnder(root);
-  nodes_.resize(sphere.vertices.rows(), 3);
-  for (Eigen::Index i = 0; i < nodes_.rows(); ++i)
-    nodes_.row(i) = surfaceUnder.locate(sphere.vertices.row(i).transpose())
-                        .interpolate(surface.faces(), surface.vertices())
-                        .transpose();
-  areas_ = vertexAreas(nodes_, faces_);
-  const double radius = radiusOfSphere(areas_.sum());
-  meanVertexArea_ = faceAreas(surface.vertices(), surface.faces()).sum() /
-                    std::max(surface.vertexCount(), minVertices);
-
-  local_ = kernelFactor<decltype(local_)>(nodes_, areas_, radius);
-  single_ = local_.cast<float>();
-  const Eigen::RowVector3d centre = (areas_.transpose() * nodes_) / areas_.sum();
-  arms_ = (nodes_.rowwise() - centre) / radius;
-
-  const ClosedSurface icosphereSurface(sphere.vertices, sphere.faces, "icosphere");
-  const SphereLocator templateUnder(MappedSurface(icosphereSurface, sphere.vertices));
-  site_.reserve(static_cast<size_t>(surface.vertexCount()));
-  for (int v = 0; v < surface.vertexCount(); ++v)
-    site_.push_back(templateUnder.locate(root.position(v)));
-}
-
-void MotionModel::project(int i, const Vector3& m, double* row) const {
-  Eigen::Map<Eigen::Matrix<double, 1, localColumns>>(row).noalias() =
-      m.transpose() * local_.middleRows<3>(3 * i);
-  projectAffine(i, m, row + localColumns);
-}
-
-void MotionModel::projectAffine(int i, const Vector3& m, double* row) const {
-  const Vector3 y = arms_.row(i).transpose();
-  for (int a = 0; a < 3; ++a) *row++ = m[a];
-  for (int a = 0; a < 3; ++a) *row++ = m[a] * y[a];
-  constexpr double half =
-      0.70710678118654752440;  // the six matrices of strain and three of rotation are orthonormal
-  for (int a = 0; a < 2; ++a)
-    for (int b = a + 1; b < 3; ++b) *row++ = half * (m[a] * y[b] + m[b] * y[a]);
-  for (int a = 0; a < 2; ++a)
-    for (int b = a + 1; b < 3; ++b) *row++ = half * (m[a] * y[b] - m[b] * y[a]);
-}
-
-RowsF MotionModel::projectEach(const Points& directions, const Eigen::VectorXd& scales) const {
-  RowsF rows(directions.rows(), columns);
-  Eigen::Matrix<double, affineColumns, 1> affine;
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const Vector3 m = scales[i] * directions.row(i).transpose();
-    const Eigen::Vector3f f = m.cast<float>();
-    rows.row(i).head<localColumns>() =
-        f[0] * single_.row(3 * i) + f[1] * single_.row(3 * i + 1) + f[2] * single_.row(3 * i + 2);
-    projectAffine(static_cast<int>(i), m, affine.data());
-    rows.row(i).tail<affineColumns>() = affine.cast<float>().transpose();
-  }
-  return rows;
-}
-
-Eigen::VectorXd MotionModel::projectAll(const Points& forces, Precision precision) const {
-  Eigen::VectorXd sum(columns);
-  const Eigen::Map<const Eigen::VectorXd> coordinates(forces.data(), forces.size());
-  if (precision == Precision::Single)
-    sum.head<localColumns>() =
-        inSingle(coordinates, [this](const auto& x) { return single_.transpose() * x; });
-  else
-    sum.head<localColumns>().noalias() = local_.transpose() * coordinates;
-  sum.segment<3>(localColumns) = forces.colwise().sum().transpose();
-  const Eigen::Matrix3d moment = forces.transpose() * arms_;  // of f_a y_b
-  int k = localColumns + 3;
-  for (int a = 0; a < 3; ++a) sum[k++] = moment(a, a);
-  constexpr double half = 0.70710678118654752440;
-  for (int a = 0; a < 2; ++a)
-    for (int b = a + 1; b < 3; ++b) sum[k++] = half * (moment(a, b) + moment(b, a));
-  for (int a = 0; a < 2; ++a)
-    for (int b = a + 1; b < 3; ++b) sum[k++] = half * (moment(a, b) - moment(b, a));
-  return sum;
-}
-
-Points MotionModel::displacements(const Eigen::VectorXd& c, Precision precision) const {
-  Eigen::VectorXd local;
-  if (precision == Precision::Single)
-    local = inSingle(c.head<localColumns>(), [this](const auto& x) { return single_ * x; });
-  else
-    local = local_ * c.head<localColumns>();
-  Points moved = Eigen::Map<const Points>(local.data(), nodes_.rows(), 3);
-  const double* a = c.data() + localColumns;
-  constexpr double half = 0.70710678118654752440;
-  Eigen::Matrix3d linear = Eigen::Vector3d(a[3], a[4], a[5]).asDiagonal();
-  int k = 6;
-  for (int i = 0; i < 2; ++i)
-    for (int j = i + 1; j < 3; ++j, ++k) {
-      linear(i, j) = half * (a[k] + a[k + 3]);
-      linear(j, i) = half * (a[k] - a[k + 3]);
-    }
-  moved += arms_ * linear.transpose();
-  moved.rowwise() += Eigen::RowVector3d(a[0], a[1], a[2]);
-  return moved;
-}
-
-Points MotionModel::movedNodes(const Eigen::VectorXd& c, Precision precision) const {
-  return nodes_ + displacements(c, precision);
-}
+MotionModel::MotionModel(const MappedSurface& root)
+    : template_(templateOf(root)),
+      areas_(vertexAreas(template_.vertices, template_.faces)),
+      meanVertexArea_(meanVertexAreaOf(root.surface())),
+      basis_(template_.vertices, areas_, radiusOfSphere(areas_.sum())),
+      vertices_(root.surface().vertices()),
+      site_(sitesOf(root)) {}
 
 Points MotionModel::movedVertices(const Eigen::VectorXd& c) const {
-  const Points moved = displacements(c, Precision::Double);
+  const Points moved = basis_.displacements(c);
   Points vertices = vertices_;
   for (Eigen::Index v = 0; v < vertices.rows(); ++v)
-    vertices.row(v) += site_[static_cast<size_t>(v)].interpolate(faces_, moved).transpose();
+    vertices.row(v) += site_[static_cast<size_t>(v)].interpolate(faces(), moved).transpose();
   return vertices;
 }
 

@@ -6,11 +6,11 @@
 namespace sphere_propagation {
 
 Eigen::VectorXd MotionVariances::diagonal() const {
-  Eigen::VectorXd d(MotionModel::columns);
-  d << Eigen::VectorXd::Constant(MotionModel::localColumns, local),
-      Eigen::VectorXd::Constant(MotionModel::translationColumns, translation),
-      Eigen::VectorXd::Constant(MotionModel::strainColumns, strain),
-      Eigen::VectorXd::Constant(MotionModel::rotationColumns, rotation);
+  Eigen::VectorXd d(MotionBasis::columns);
+  d << Eigen::VectorXd::Constant(MotionBasis::localColumns, local),
+      Eigen::VectorXd::Constant(MotionBasis::translationColumns, translation),
+      Eigen::VectorXd::Constant(MotionBasis::strainColumns, strain),
+      Eigen::VectorXd::Constant(MotionBasis::rotationColumns, rotation);
   return d;
 }
 

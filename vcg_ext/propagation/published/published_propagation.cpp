@@ -169,24 +169,34 @@ Points smoothOnSphere(const ClosedSurface& surface, const Points& positions, int
   return before;
 }
 
-TransferredMap propagateAsPublished(const MappedSurface& from, const ClosedSurface& target,
+Correspondence findCorrespondence(const MappedSurface& reference, const ClosedSurface& target,
+                                  const PublishedParameters& parameters) {
+  const VertexLocator referenceVertices(reference.surface().vertices());
+  Correspondence found;
+  found.aligned = alignedVertices(target, referenceVertices, parameters);
+  const std::vector<VertexPair> pairs =
+      mutualNearest(VertexLocator(found.aligned), referenceVertices);
+  found.pairs = static_cast<int>(pairs.size());
+  found.nodes = releaseInwardTriangles(
+      target.faces(), fixNodes(target.vertexCount(), pairs, reference.positions()));
+  return found;
+}
+
+TransferredMap propagateAsPublished(const MappedSurface& reference, const ClosedSurface& target,
                                     const PublishedParameters& parameters) {
-  const ClosedSurface& reference = from.surface();
-  const VertexLocator referenceVertices(reference.vertices());
-  const Points aligned = alignedVertices(target, referenceVertices, parameters);
-  const std::vector<VertexPair> pairs = mutualNearest(VertexLocator(aligned), referenceVertices);
-  const FixedNodes nodes = releaseInwardTriangles(
-      target.faces(), fixNodes(target.vertexCount(), pairs, from.positions()));
+  const auto [aligned, pairs, nodes] = findCorrespondence(reference, target, parameters);
   if (nodes.count() == 0)
     throw PropagationError(
-        "Layer \"" + target.name() + "\" corresponds nowhere to layer \"" + reference.name() +
-        "\", from which it is to get its parameterisation: all " + std::to_string(pairs.size()) +
+        "Layer \"" + target.name() + "\" corresponds nowhere to layer \"" +
+        reference.surface().name() +
+        "\", from which it is to get its parameterisation: all " +
+        std::to_string(pairs) +
         " vertices that are nearest to each other lie in triangles of opposite orientation. Choose "
         "another order of propagation or another root, or the method \"Robust\".");
   const Points positions =
       smoothOnSphere(target, placeMovingNodes(target, nodes), parameters.smoothingSweeps);
   Untangled repaired = mend(target, positions);
-  std::vector<double> distances = distancesFrom(reference, aligned);
+  std::vector<double> distances = distancesFrom(reference.surface(), aligned);
   const Residual residual = residualOf(distances);
   return {std::move(repaired.map), repaired.repairedFaces, residual, std::move(distances)};
 }

@@ -69,6 +69,15 @@ struct PublishedParameters {
   int smoothingSweeps = 50;  ///< step 4f; >= 0
 };
 
+/// Steps 4a to 4d: what a target and its reference have in common.
+struct Correspondence {
+  Points aligned;    ///< the target's vertices after steps 4a and 4b: #V by 3
+  int pairs = 0;     ///< in the relation R of step 4c
+  FixedNodes nodes;  ///< after step 4d; there may be none
+};
+Correspondence findCorrespondence(const MappedSurface& reference, const ClosedSurface& target,
+                                  const PublishedParameters& parameters = {});
+
 /// One arc of the propagation tree, steps 4a to 4f and the repair.
 /// reference: the surface that has a map; target: the surface that gets one. The residual is the
 /// distance of the target's vertices, after steps 4a and 4b, from the reference surface;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/base/dense_kernels.h"
+#include "vcg_ext/propagation/motion/dense_kernels.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
