@@ -90,9 +90,10 @@ class Document {
     ExactText values;
     size_t next = 0;
     writeValues(values, data, 0, next);
+    const std::string type = data.integers ? integerType : floatType;
     data_ += (data_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + path +
-             R"("], "type": )" + (data.integers ? integerType : floatType) + R"(, "shape": )" +
-             shapeOf(data) + R"(, "value": )" + values.str() + "}";
+             R"("], "type": )" + type + R"(, "shape": )" + shapeOf(data) + R"(, "value": )" +
+             values.str() + "}";
   }
 
   std::string groups_, data_;

@@ -6,7 +6,7 @@
 #include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
-#include "vcg_ext/propagation/published/published_strategy.h"
+#include "vcg_ext/propagation/published_strategy.h"
 #include "vcg_ext/propagation/robust_strategy.h"
 
 namespace sphere_propagation {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/propagation/published/published_strategy.h"
+#include "vcg_ext/propagation/published_strategy.h"
 
 #include "vcg_ext/base/stopwatch.h"
 
