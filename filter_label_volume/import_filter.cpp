@@ -113,7 +113,9 @@ class ImportFilter : public host::Filter {
         "<b>vertices</b>: how many; <b>interpolated_slices</b>: empty slices that were "
         "interpolated; <b>dropped_share</b>: of the working voxels, in smaller parts; "
         "<b>filled_voxels</b>: working voxels in cavities; <b>handles</b>: that the label had; "
-        "<b>changed_voxels</b>: working voxels changed to remove them; <b>seconds</b>: of this "
+        "<b>changed_voxels</b>: working voxels changed to remove them; <b>thin</b>: 1 where the "
+        "surface encloses over a tenth less than the label's voxels, else 0; <b>seconds</b>: of "
+        "this "
         "phase. <b>layers</b>: how many were made.<br><br>See:<br><i>Sai P. Raya and Jayaram K. "
         "Udupa</i><br><b>\"Shape-based interpolation of multidimensional objects\"</b><br>IEEE "
         "Transactions on Medical Imaging 9(1), 1990.<br><i>Stephan Bischoff and Leif "
@@ -268,14 +270,23 @@ class ImportFilter : public host::Filter {
                  static_cast<double>(s.filledVoxels),
                  static_cast<double>(s.handles.handles),
                  static_cast<double>(s.handles.changedVoxels),
+                 lostShare(s) > maxLoss ? 1.0 : 0.0,
                  time} {}
-    std::array<double, 10> values;
+    std::array<double, 11> values;
   };
 
+  /// How much of what was kept of the label its surface does not enclose.
+  static double lostShare(const VolumeSurface& surface) {
+    const double kept = 1 - static_cast<double>(surface.dropped.voxels) /
+                                static_cast<double>(surface.workingVoxels);
+    return 1 - surface.volume / (surface.labelVolume * kept);
+  }
+
   static host::Outputs outputsOf(const std::vector<Figures>& figures) {
-    static const std::array<const char*, 10> keys{
+    static const std::array<const char*, 11> keys{
         "phase",         "label_volume",  "volume",  "vertices",       "interpolated_slices",
-        "dropped_share", "filled_voxels", "handles", "changed_voxels", "seconds"};
+        "dropped_share", "filled_voxels", "handles", "changed_voxels", "thin",
+        "seconds"};
     host::Outputs outputs{{"layers", static_cast<int>(figures.size())}};
     for (size_t key = 0; key < keys.size(); ++key) {
       Eigen::VectorXd values(static_cast<Eigen::Index>(figures.size()));
@@ -288,9 +299,7 @@ class ImportFilter : public host::Filter {
 
   /// What the user should know about a phase's surface; usually nothing.
   static std::string warning(const VolumeSurface& surface) {
-    const double kept = 1 - static_cast<double>(surface.dropped.voxels) /
-                                static_cast<double>(surface.workingVoxels);
-    const double loss = 1 - surface.volume / (surface.labelVolume * kept);
+    const double loss = lostShare(surface);
     if (!(loss > maxLoss)) return {};
     return "the surface encloses " + std::to_string(std::lround(100 * loss)) +
            " % less than the label's voxels. The label is thin for so much smoothing in voxels of "

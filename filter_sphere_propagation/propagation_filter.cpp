@@ -125,7 +125,9 @@ class PropagationFilter : public host::Filter {
         "the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the repair; "
         "<b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of "
         "Robust lost it and alignment with its parent gave it, 2 where that failed as well and it "
-        "came as published; <b>mirrored</b>: 1 where a layer was found to be a mirror image of the "
+        "came as published; <b>distant</b>: 1 where the layer lies more than two edge lengths off "
+        "what was brought onto it, on average, else 0; <b>mirrored</b>: 1 where a layer was found "
+        "to be a mirror image of the "
         "others and was reflected, else 0; <b>branch_distance</b>, <b>branch_angle</b>: in Cyclic "
         "time, how far the maps of the two branches are apart where they meet, on average, on the "
         "surface in the mesh's unit and on the sphere in degrees; " +
@@ -299,6 +301,11 @@ class PropagationFilter : public host::Filter {
            "layer that has a map.";
   }
 
+  static double residualInEdges(const MeshSurface& mesh, const PropagatedLayer& propagated) {
+    return propagated.transferred.residual.mean /
+           meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
+  }
+
   /// What the user should know about how a layer got its map; usually nothing.
   static std::string warning(const host::Layer& layer, const MeshSurface& mesh,
                              const PropagatedLayer& propagated) {
@@ -325,8 +332,7 @@ class PropagationFilter : public host::Filter {
               shortNumber(size > 1 ? size : 1 / size) + " times " +
               (size > 1 ? "larger" : "smaller") +
               " than its parent, so one of them may be in another unit";
-    const double edges = propagated.transferred.residual.mean /
-                         meanEdgeLength(mesh.surface.vertices(), mesh.surface.faces());
+    const double edges = residualInEdges(mesh, propagated);
     if (edges > maxEdgesApart)
       text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
               " edge lengths off on average, so it may be another shape or in another unit";
@@ -399,7 +405,7 @@ class PropagationFilter : public host::Filter {
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);
     Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries),
-        repairedFaces(entries), route(entries);
+        repairedFaces(entries), route(entries), distant(entries);
     for (size_t i = 0; i < count; ++i) {
       const PropagatedLayer& layer = propagated[i];
       const auto row = static_cast<Eigen::Index>(i);
@@ -414,6 +420,7 @@ class PropagationFilter : public host::Filter {
       residualP95[row] = layer.transferred.residual.p95;
       repairedFaces[row] = layer.transferred.repairedFaces;
       route[row] = static_cast<double>(layer.route);
+      distant[row] = residualInEdges(participants.meshes[i], layer) > maxEdgesApart ? 1 : 0;
       std::string line =
           describeMap(participants.layers[i].label(), participants.meshes[i].surface, measures);
       if (isRoot) {
@@ -450,7 +457,8 @@ class PropagationFilter : public host::Filter {
                              {"residual_mean", residualMean},
                              {"residual_p95", residualP95},
                              {"repaired_faces", repairedFaces},
-                             {"route", route}};
+                             {"route", route},
+                             {"distant", distant}};
     figures.addTo(outputs);
     return outputs;
   }

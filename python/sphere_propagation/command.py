@@ -8,15 +8,20 @@ import platform
 import re
 import sys
 import warnings
+from dataclasses import replace
 from importlib.util import find_spec
+from math import inf
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from . import filters, gallery, jobs, pictures, plugin, progress, report, version
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
+from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
+PHANTOM_DEFAULTS = filters.make_phantom.__kwdefaults__
+VOLUME_DEFAULTS = filters.read_label_volume.__kwdefaults__
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -72,24 +77,25 @@ def _words(error: BaseException) -> str:
 
 
 def _run(options, make_progress) -> int:
+    choices = _choices(options, DEFAULTS)
     return _report(
         options.output,
-        jobs.run_meshes(
-            options.meshes, options.output, options.name, _choices(options), make_progress
-        ),
+        jobs.run_meshes(options.meshes, options.output, options.name, choices, make_progress),
     )
 
 
 def _demo(options, make_progress) -> int:
     if options.input:
-        runs = jobs.run_meshes(
-            [options.input], options.folder, None, _choices(options), make_progress
-        )
+        choices = _choices(options, DEFAULTS)
+        runs = jobs.run_meshes([options.input], options.folder, None, choices, make_progress)
     else:
-        voxel_size = 2.0 if options.voxel_size is None else options.voxel_size
+        voxel_size = options.voxel_size
+        if voxel_size is None:
+            voxel_size = PHANTOM_DEFAULTS["voxel_size"]
+        cyclic = replace(DEFAULTS, order="Cyclic time", root=None if options.parents else 0)
         runs = jobs.run_phantom(
             options.folder,
-            _choices(options),
+            _choices(options, cyclic),
             options.phases,
             voxel_size,
             options.seed,
@@ -141,21 +147,20 @@ def _info(options, make_progress) -> int:
     return 0
 
 
-def _choices(options) -> jobs.Choices:
-    order = "Given" if options.parents else ORDERS.get(options.order)
-    return jobs.Choices(
-        options.root,
-        METHODS[options.method],
-        order,
-        options.parents or "",
-        options.frequency,
-        options.initial_map.capitalize(),
-        options.area_weight,
-        options.area_restoration,
-        options.pictures,
-        options.mirror_layers,
-        _volume_choices(options),
+def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
+    order = "Given" if options.parents else ORDERS.get(options.order, defaults.order)
+    parameters = CorrespondenceParameters(
+        root=defaults.root if options.root is None else options.root,
+        method=METHODS[options.method],
+        order=order,
+        parents=options.parents or "",
+        frequency=options.frequency,
+        initial_map=options.initial_map.capitalize(),
+        area_weight=options.area_weight,
+        area_restoration=options.area_restoration,
+        mirror_layers=options.mirror_layers,
     )
+    return jobs.Choices(parameters, options.pictures, _volume_choices(options))
 
 
 def _volume_choices(options) -> Dict[str, Any]:
@@ -241,23 +246,24 @@ def parser() -> argparse.ArgumentParser:
     )
     demo.add_argument(
         "--phases",
-        type=_number(int, 1, 10000),
-        default=25,
+        type=_number(int, 1),
+        default=PHANTOM_DEFAULTS["phases"],
         metavar="N",
-        help="of the phantom (default: 25)",
+        help="of the phantom (default: %(default)s)",
     )
     demo.add_argument(
         "--voxel-size",
         type=_number(float, 0),
         metavar="MM",
-        help="of the phantom (default: 2); with --input as of `run`",
+        help=f"of the phantom (default: {PHANTOM_DEFAULTS['voxel_size']:g}); "
+        "with --input as of `run`",
     )
     demo.add_argument(
         "--seed",
         type=_number(int, 0),
-        default=0,
+        default=PHANTOM_DEFAULTS["seed"],
         metavar="N",
-        help="of the phantom: another one makes another ventricle (default: 0)",
+        help="of the phantom: another one makes another ventricle (default: %(default)s)",
     )
     demo.set_defaults(action=_demo)
 
@@ -266,20 +272,25 @@ def parser() -> argparse.ArgumentParser:
     return command
 
 
-def _number(kind: type, least: float, most: float = float("inf")) -> Callable[[str], float]:
+def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str], float]:
     """What an option takes for a number: argparse refuses the others."""
 
     def convert(text: str):
         value = kind(text)
-        if not least <= value <= most:
+        if not minimum <= value <= maximum:
             raise argparse.ArgumentTypeError(
                 f"{text} is not "
-                + (f"{least} or more" if most == float("inf") else f"from {least} to {most}")
+                + (f"{minimum} or more" if maximum == inf else f"from {minimum} to {maximum}")
             )
         return value
 
     convert.__name__ = kind.__name__  # argparse's word for what is no number at all
     return convert
+
+
+def _option(names: Dict[str, str], value: str) -> str:
+    """What the command line calls it."""
+    return next(option for option, name in names.items() if name == value)
 
 
 def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
@@ -293,8 +304,8 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     add(
         "--method",
         choices=list(METHODS),
-        default="robust",
-        help="how a map gets to the next mesh (default: robust)",
+        default=_option(METHODS, DEFAULTS.method),
+        help="how a map gets to the next mesh (default: %(default)s)",
     )
     add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
     add(
@@ -306,29 +317,30 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     add(
         "--frequency",
         type=_number(int, 1),
-        default=10,
+        default=DEFAULTS.frequency,
         metavar="F",
-        help="10 F^2 + 2 landmarks (default: 10, which gives 1002)",
+        help="10 F^2 + 2 landmarks (default: %(default)s, which gives "
+        f"{10 * DEFAULTS.frequency**2 + 2})",
     )
     add(
         "--initial-map",
-        choices=[name.lower() for name in filters.INITIAL_MAPS],
-        default="automatic",
-        help="where the root map starts (default: automatic)",
+        choices=[name.lower() for name in INITIAL_MAPS],
+        default=DEFAULTS.initial_map.lower(),
+        help="where the root map starts (default: %(default)s)",
     )
     add(
         "--area-weight",
         type=_number(float, 0, 1),
-        default=0.9,
+        default=DEFAULTS.area_weight,
         metavar="W",
-        help="of the root map, 0 (angles) to 1 (areas) (default: 0.9)",
+        help="of the root map, 0 (angles) to 1 (areas) (default: %(default)g)",
     )
     add(
         "--area-restoration",
         type=_number(float, 0, 1),
-        default=0.0,
+        default=DEFAULTS.area_restoration,
         metavar="W",
-        help="of all maps in the end, 0 to 1 (default: 0)",
+        help="of all maps in the end, 0 to 1 (default: %(default)g)",
     )
     add(
         "--mirror-layers",
@@ -338,15 +350,21 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     add(
         "--labels",
         metavar="LIST",
-        help='of a label volume: the label, or several to be united, as "1,2" (default: 1)',
+        help='of a label volume: the label, or several to be united, as "1,2" (default: '
+        f"{VOLUME_DEFAULTS['labels']})",
     )
     add(
         "--smoothing",
-        type=_number(float, 0, 5),
+        type=_number(float, 0),
         metavar="VOXELS",
-        help="of a label volume's surfaces, standard deviation, 0 to 5 (default: 1)",
+        help="of a label volume's surfaces, standard deviation, 0 to 5 (default: "
+        f"{VOLUME_DEFAULTS['smoothing']:g})",
     )
-    add("--coordinates", choices=["ras", "lps"], help="of a label volume's surfaces (default: ras)")
+    add(
+        "--coordinates",
+        choices=[name.lower() for name in filters.COORDINATES],
+        help=f"of a label volume's surfaces (default: {VOLUME_DEFAULTS['coordinates'].lower()})",
+    )
     add(
         "--skip-incomplete-phases",
         action="store_true",

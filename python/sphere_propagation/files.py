@@ -127,9 +127,8 @@ def _load(path):
     path = Path(path)
     if not path.is_file():
         raise FileError(f"There is no file {path}.")
-    if path.suffix.lower() == ".ply" and not _has_ply_header(
-        path
-    ):  # PyMeshLab may crash over these
+    if path.suffix.lower() == ".ply" and not _has_ply_header(path):
+        # PyMeshLab may crash over these.
         raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
     meshes, here = layers.mesh_set(), os.getcwd()
     try:
@@ -140,9 +139,8 @@ def _load(path):
         reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
         raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
     finally:
-        os.chdir(
-            here
-        )  # PyMeshLab goes to the file's folder, and stays there when it cannot read the file
+        # PyMeshLab goes to the file's folder, and stays there when it cannot read the file.
+        os.chdir(here)
     if meshes.current_mesh().face_number() == 0:
         raise FileError(f"{path} holds no triangles.")
     return meshes, path
@@ -150,8 +148,8 @@ def _load(path):
 
 def _has_ply_header(path: Path) -> bool:
     with open(path, "rb") as file:
-        head = file.read(1 << 20)
-    return head[:3] == b"ply" and b"end_header" in head
+        start = file.read(1 << 20)
+    return start[:3] == b"ply" and b"end_header" in start
 
 
 def write_ply(

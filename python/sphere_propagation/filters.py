@@ -8,15 +8,16 @@ depth is in the filters' help and in docs/. Every map that comes back is certifi
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
 from . import layers, plugin
-from .errors import FilterError, InputError, SpherePropagationWarning
+from .attention import warn
+from .errors import FilterError, InputError
 from .model import ShapeModel
+from .parameters import DEFAULTS, Parents, whole_numbers
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surface, as_surfaces
 
@@ -29,24 +30,17 @@ COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PHANTOM = "create_ventricle_phantom"
 IMPORT = plugin.VOLUME_FILTER
 
-INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
-METHODS = ("Robust", "As published")
-ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
 PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
 ALIGNMENTS = ("Similarity", "Rigid", "None")
 PARTS = ("Cavity", "Wall")
 COORDINATES = ("RAS", "LPS")
 
-MOST_RESIDUAL_IN_EDGES = 2  # as in vcg_ext/propagation/motion/motion_propagation.h
-MOST_LANDMARKS = (
-    20_000_000  # of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp
-)
-
-MOST_VOLUME_ERROR = (
-    0.05  # of a surface against the voxels that it is made from, as a share; more deserves a look
-)
-MOST_LOSS = 0.1  # of the label's volume in its surface, as in filter_label_volume/import_filter.cpp
-MOST_DROPPED = 0.05  # of the voxels, in smaller parts
+# Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
+# no only after the maps were made. A test asks it.
+MAX_LANDMARKS = 20_000_000
+# Of a surface's volume against that of its voxels, as a share; more deserves a look.
+MAX_VOLUME_ERROR = 0.05
+MAX_DROPPED_SHARE = 0.05  # of the voxels, in smaller parts
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
 
@@ -60,7 +54,8 @@ class LabelSurfaces:
 
     figures: phase (its number), label_volume (of the voxels, mm^3), volume (of the surface, mm^3),
     vertices, interpolated_slices, dropped_share (of the voxels, in smaller parts), filled_voxels,
-    handles (that the label had), changed_voxels (to remove them), seconds.
+    handles (that the label had), changed_voxels (to remove them), thin (1 where so much smoothing
+    takes much of the label away), seconds.
     """
 
     surfaces: List[Surface]
@@ -75,7 +70,8 @@ class Propagation:
     residual_p95 (distance of the surface's vertices from what was brought onto it, in their unit),
     repaired_faces, route (0 by the method asked for; where Robust lost a surface 1 by alignment
     with its parent, 2 as published), flipped_faces, area_ratio_sd, area_log_mean, angle_error_mean
-    (degrees), seconds, mirrored (1 for a surface that was reflected, with mirror_layers).
+    (degrees), seconds, mirrored (1 for a surface that was reflected, with mirror_layers), distant
+    (1 for a surface that lies far off what was brought onto it).
     residuals: where asked for, of each surface the distance of every vertex from what was brought
     onto it.
     branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the
@@ -139,7 +135,7 @@ def read_label_volume(
     plugin.require_volumes()
     meshes = layers.mesh_set()
     text = (
-        labels if isinstance(labels, str) else ",".join(map(str, _whole_numbers("labels", labels)))
+        labels if isinstance(labels, str) else ",".join(map(str, whole_numbers("labels", labels)))
     )
     figures = layers.apply(
         meshes,
@@ -162,61 +158,49 @@ def read_label_volume(
     return LabelSurfaces(surfaces, figures)
 
 
-def _whole_numbers(name: str, values) -> List[int]:
-    """One or several, of any type; 1.5 is not taken for 1."""
-    try:
-        numbers = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        numbers = np.array([np.nan])
-    if (
-        numbers.ndim != 1
-        or not np.all(numbers == np.floor(numbers))
-        or not np.isfinite(numbers).all()
-    ):
-        raise InputError(f"{name} must be whole numbers, not {values!r}.")
-    return [int(number) for number in numbers]
-
-
 def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
     """What the filter says of every phase in its log, which Python does not get: how many phases
     deserve a look, and which most."""
 
-    def warn(amounts: np.ndarray, limit: float, words: str) -> None:
-        count, worst = int((amounts > limit).sum()), int(np.argmax(amounts))
+    def worst_and_warn(amounts: np.ndarray, deserving: np.ndarray, words: str) -> None:
+        count = int(deserving.sum())
         if count:
-            where = surfaces[worst].name + (
-                f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else ""
-            )
-            warnings.warn(
-                f"{where}: {amounts[worst]:.3g} {words}.", SpherePropagationWarning, stacklevel=4
-            )
+            worst = int(np.argmax(np.where(deserving, amounts, -np.inf)))
+            others = f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else ""
+            warn(f"{surfaces[worst].name}{others}: {amounts[worst]:.3g} {words}.")
 
+    thin = figures["thin"] > 0
     kept = figures["label_volume"] * (1 - figures["dropped_share"])
     loss = 1 - figures["volume"] / kept
-    warn(
+    worst_and_warn(
         100 * loss,
-        100 * MOST_LOSS,
+        thin,
         "% of the label's volume are missing in the surface: choose a smaller smoothing, or a "
         "smaller voxel_size",
     )
-    warn(
-        100 * np.where((figures["interpolated_slices"] > 0) | (loss > MOST_LOSS), 0, np.abs(loss)),
-        100 * MOST_VOLUME_ERROR,
+    comparable = ~thin & (figures["interpolated_slices"] == 0)
+    worst_and_warn(
+        100 * np.abs(loss),
+        comparable & (np.abs(loss) > MAX_VOLUME_ERROR),
         "% lie between the volume of the surface and that of its voxels",
     )
-    warn(
+    worst_and_warn(
         100 * figures["dropped_share"],
-        100 * MOST_DROPPED,
+        figures["dropped_share"] > MAX_DROPPED_SHARE,
         "% of the label's voxels were dropped with its smaller parts",
     )
-    warn(figures["interpolated_slices"], 0, "slices without the label were interpolated")
+    worst_and_warn(
+        figures["interpolated_slices"],
+        figures["interpolated_slices"] > 0,
+        "slices without the label were interpolated",
+    )
 
 
 def parameterise_root(
     surface: SurfaceLike,
     *,
-    initial_map: str = "Automatic",
-    area_weight: float = 0.9,
+    initial_map: str = DEFAULTS.initial_map,
+    area_weight: float = DEFAULTS.area_weight,
     threads: int = 0,
 ) -> SphereMap:
     """An area-preserving map of one surface to the unit sphere.
@@ -240,12 +224,12 @@ def propagate(
     root_map: MapLike,
     *,
     root_layer: int = 0,
-    method: str = "Robust",
-    order: str = "Time",
-    parents: Union[str, Sequence[int]] = "",
-    area_restoration: float = 0.0,
+    method: str = DEFAULTS.method,
+    order: str = DEFAULTS.order,
+    parents: Parents = DEFAULTS.parents,
+    area_restoration: float = DEFAULTS.area_restoration,
     residual_quality: bool = False,
-    mirror_layers: bool = False,
+    mirror_layers: bool = DEFAULTS.mirror_layers,
     anisotropic_scaling: bool = True,
     icp_iterations: int = 30,
     smoothing_sweeps: int = 50,
@@ -268,7 +252,8 @@ def propagate(
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with
     any number.
 
-    Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it.
+    Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it, and of
+    parents in another order than Given.
     """
     surfaces = as_surfaces(surfaces)
     root_map = as_map(root_map)
@@ -278,7 +263,9 @@ def propagate(
             f"{len(surfaces) - 1}."
         )
     if not isinstance(parents, str):
-        parents = ", ".join(map(str, _whole_numbers("parents", parents)))
+        parents = ", ".join(map(str, whole_numbers("parents", parents)))
+    if parents and order != "Given":
+        warn(f'parents is not looked at in the order {order!r}: it belongs to "Given".')
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
     figures = layers.apply(
         meshes,
@@ -301,7 +288,7 @@ def propagate(
             "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, "
             "lies on the unit sphere, or is called like a layer of a shape model.",
         )
-    _warn_of_distant_layers(surfaces, figures["residual_mean"])
+    _warn_of_distant_layers(surfaces, figures)
     maps = [
         layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
         for i in range(len(surfaces))
@@ -315,16 +302,13 @@ def propagate(
     return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
 
 
-def _warn_of_distant_layers(surfaces: Sequence[Surface], residuals: np.ndarray) -> None:
+def _warn_of_distant_layers(surfaces: Sequence[Surface], figures: Figures) -> None:
     """As the filter does in its log, which Python does not get."""
-    for surface, residual in zip(surfaces, residuals):
-        edges = residual / surface.mean_edge_length
-        if edges > MOST_RESIDUAL_IN_EDGES:
-            warnings.warn(
-                f"{surface.name} lies {edges:.1f} edge lengths off what was brought onto it, on "
-                "average: it may be another shape or in another unit.",
-                SpherePropagationWarning,
-                stacklevel=3,
+    for surface, residual, distant in zip(surfaces, figures["residual_mean"], figures["distant"]):
+        if distant:
+            warn(
+                f"{surface.name} lies {residual / surface.mean_edge_length:.1f} edge lengths off "
+                "what was brought onto it, on average: it may be another shape or in another unit."
             )
 
 
@@ -332,7 +316,7 @@ def remesh(
     surfaces: Sequence[SurfaceLike],
     maps: Sequence[MapLike],
     *,
-    frequency: int = 10,
+    frequency: int = DEFAULTS.frequency,
     threads: int = 0,
 ) -> Landmarks:
     """All surfaces sampled at the same 10 f^2 + 2 points of the sphere. maps: one per surface, as

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from typing import Callable, List, NamedTuple, Optional, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Callable, List, NamedTuple, Optional, Sequence, Set
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from .results import ResultFolder
 from .views import Row
 
 PAGE = "report.html"
+
+
+MODEL, ERRORS = "model", "errors"  # what a section may have beside rows and runs
 
 
 class Section(NamedTuple):
@@ -29,13 +34,22 @@ class Section(NamedTuple):
     true_volumes: Optional[np.ndarray] = None  # of the first row, where they are known
     errors: Optional[Sequence[dict]] = None  # per row: method -> mm per phase
 
+    @property
+    def kinds(self) -> Set[str]:
+        """Which of MODEL and ERRORS there is something to be drawn of."""
+        has_modes = self.model is not None and len(self.model.modes) > 0
+        return {kind for kind, has in ((MODEL, has_modes), (ERRORS, bool(self.errors))) if has}
+
 
 class Drawing(NamedTuple):
-    name: str
+    """One picture of a section, where that has what it needs: MODEL, ERRORS or nothing more."""
+
+    name: str  # of its file; {prefix} is the section's
     what: str
-    draw: Callable
-    caption: str
-    narrow: bool = False
+    needs: Optional[str]
+    draw: Callable[[Section, Path], object]
+    caption: Callable[[Section], str]
+    narrow: Callable[[Section], bool] = lambda section: False
 
 
 def show(
@@ -50,106 +64,132 @@ def show(
     chapters = []
     for section in sections:
         made = []
-        for drawing in _drawings(section) if draw else ():
-            steps.begin(f"{drawing.name}: {drawing.what}")
-            made.append(
-                page.Picture(
-                    results.write(drawing.name, drawing.draw), drawing.caption, drawing.narrow
-                )
-            )
-            steps.done(f"{drawing.name}: {drawing.what}")
+        for drawing in _drawings(section.kinds) if draw else ():
+            name = drawing.name.format(prefix=section.prefix)
+            steps.begin(f"{name}: {drawing.what}")
+            path = results.write(name, partial(drawing.draw, section))
+            made.append(page.Picture(path, drawing.caption(section), drawing.narrow(section)))
+            steps.done(f"{name}: {drawing.what}")
         tables = [page.summary_table(section.runs)]
-        if section.model is not None and len(section.model.modes):
+        if MODEL in section.kinds:
             tables.append(page.model_table(section.model))
         tables += [page.layer_table(run) for run in section.runs]
         chapters.append(page.Chapter(section.title, section.text, made, tables))
     results.write(PAGE, lambda path: page.write_page(path, title, text, chapters))
 
 
-def picture_count(with_model: int = 0, with_errors: int = 0) -> int:
-    """How many pictures so many sections of each kind have."""
-    return 7 * with_model + 4 * with_errors
+def picture_count(kinds: Set[str]) -> int:
+    """How many pictures a section of these kinds has."""
+    return len(_drawings(kinds))
 
 
-def _drawings(section: Section) -> List[Drawing]:
-    rows, model, prefix = section.rows, section.model, section.prefix
-    result = rows[0].result
-    count = result.landmarks.shape[1]
-    found = [
-        Drawing(
-            f"{prefix}landmarks.png",
-            "landmarks over the cycle",
-            lambda path: pictures.landmarks_over_cycle(rows, path),
-            f"{count} landmarks on some phases. Landmark j has one colour on all of them: it is "
-            "the same place.",
+def _drawings(kinds: Set[str]) -> List[Drawing]:
+    return [drawing for drawing in DRAWINGS if drawing.needs is None or drawing.needs in kinds]
+
+
+def _unit(section: Section) -> str:
+    return section.rows[0].unit or "units"
+
+
+def _modes_caption(section: Section) -> str:
+    model = section.model
+    reach = float(np.abs(model.scores[:, 0]).max() / np.sqrt(model.eigenvalues[0]))
+    return (
+        "The shape model: its mean, and three standard deviations along the first modes; red lies "
+        "outside of the mean, blue inside. Along the first mode these shapes themselves reach "
+        f"{reach:.1f} standard deviations: what lies beyond is the model's guess."
+    )
+
+
+def _volume_caption(section: Section) -> str:
+    if section.true_volumes is None:
+        return "What the surfaces enclose."
+    return (
+        "What the surfaces enclose. The dashed line is what is known of the phantom: the "
+        "difference comes from the slices."
+    )
+
+
+DRAWINGS = (  # in their order on the page
+    Drawing(
+        "{prefix}landmarks.png",
+        "landmarks over the cycle",
+        None,
+        lambda section, path: pictures.landmarks_over_cycle(section.rows, path),
+        lambda section: (
+            f"{section.rows[0].result.landmarks.shape[1]} landmarks on some phases. Landmark j has "
+            "one colour on all of them: it is the same place."
         ),
-        Drawing(
-            f"{prefix}checkerboard.png",
-            "the maps over the cycle",
-            lambda path: pictures.maps_over_cycle(rows, path),
+    ),
+    Drawing(
+        "{prefix}checkerboard.png",
+        "the maps over the cycle",
+        None,
+        lambda section, path: pictures.maps_over_cycle(section.rows, path),
+        lambda section: (
             "One checkerboard of the sphere, drawn on the surfaces through their maps. A field "
-            "that keeps its place on the organ shows that the maps correspond.",
+            "that keeps its place on the organ shows that the maps correspond."
         ),
-        Drawing(
-            f"{prefix}map.png",
-            "the root and its sphere",
-            lambda path: pictures.root_and_sphere(rows, path),
+    ),
+    Drawing(
+        "{prefix}map.png",
+        "the root and its sphere",
+        None,
+        lambda section, path: pictures.root_and_sphere(section.rows, path),
+        lambda section: (
             "The surface that got the first map, beside the sphere: every field takes the same "
-            "share of both.",
-            len(rows) == 1,
+            "share of both."
         ),
-    ]
-    if section.errors:
-        found.append(
-            Drawing(
-                "error.png",
-                "error over the cycle",
-                lambda path: pictures.errors_over_phase(rows, section.errors, path),
-                "How far the landmarks lie from the material points that they began on, phase by "
-                "phase: both methods.",
-            )
-        )
-    if model is not None and len(model.modes):
-        reach = float(np.abs(model.scores[:, 0]).max() / np.sqrt(model.eigenvalues[0]))
-        unit, closed = rows[0].unit or "units", result.order == "Cyclic time"
-        found += [
-            Drawing(
-                f"{prefix}modes.png",
-                "mean shape and modes",
-                lambda path: model_pictures.modes(model, path, unit=unit, up=rows[0].up),
-                "The shape model: its mean, and three standard deviations along the first modes; "
-                "red lies outside of the mean, blue inside. Along the first mode these shapes "
-                f"themselves reach {reach:.1f} standard deviations: what lies beyond is the "
-                "model's guess.",
-            ),
-            Drawing(
-                f"{prefix}model.png",
-                "how good the model is",
-                lambda path: model_pictures.measures(model, path, unit=unit),
-                "By number of modes: the share of the variance that they hold; how far a shape "
-                "that the model has not seen lies from its best approximation; how far random "
-                "shapes of the model lie from the nearest real one. Bands are standard errors.",
-            ),
-            Drawing(
-                f"{prefix}scores.png",
-                "scores over the phases",
-                lambda path: model_pictures.scores(
-                    model, path, closed=closed, phases=rows[0].numbers()
-                ),
-                "Where each phase lies along the first modes.",
-            ),
-            Drawing(
-                f"{prefix}volume.png",
-                "volume over the phases",
-                lambda path: model_pictures.volumes(rows[0], path, section.true_volumes),
-                "What the surfaces enclose."
-                + (
-                    " The dashed line is what is known of the phantom: the difference comes from "
-                    "the slices."
-                    if section.true_volumes is not None
-                    else ""
-                ),
-                True,
-            ),
-        ]
-    return found
+        narrow=lambda section: len(section.rows) == 1,
+    ),
+    Drawing(
+        "error.png",
+        "error over the cycle",
+        ERRORS,
+        lambda section, path: pictures.errors_over_phase(section.rows, section.errors, path),
+        lambda section: (
+            "How far the landmarks lie from the material points that they began on, phase by "
+            "phase: both methods."
+        ),
+    ),
+    Drawing(
+        "{prefix}modes.png",
+        "mean shape and modes",
+        MODEL,
+        lambda section, path: model_pictures.modes(
+            section.model, path, unit=_unit(section), up=section.rows[0].up
+        ),
+        _modes_caption,
+    ),
+    Drawing(
+        "{prefix}model.png",
+        "how good the model is",
+        MODEL,
+        lambda section, path: model_pictures.measures(section.model, path, unit=_unit(section)),
+        lambda section: (
+            "By number of modes: the share of the variance that they hold; how far a shape that "
+            "the model has not seen lies from its best approximation; how far random shapes of "
+            "the model lie from the nearest real one. Bands are standard errors."
+        ),
+    ),
+    Drawing(
+        "{prefix}scores.png",
+        "scores over the phases",
+        MODEL,
+        lambda section, path: model_pictures.scores(
+            section.model,
+            path,
+            closed=section.rows[0].result.order == "Cyclic time",
+            phases=section.rows[0].numbers(),
+        ),
+        lambda section: "Where each phase lies along the first modes.",
+    ),
+    Drawing(
+        "{prefix}volume.png",
+        "volume over the phases",
+        MODEL,
+        lambda section, path: model_pictures.volumes(section.rows[0], path, section.true_volumes),
+        _volume_caption,
+        narrow=lambda section: True,
+    ),
+)

@@ -4,17 +4,19 @@ looking at into a folder."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
 from . import files, filters, gallery, pictures, plugin, projects, report
-from .correspondence import Correspondence, check_arguments, correspond
-from .errors import InputError
+from .correspondence import Correspondence, checked, correspond_by
+from .errors import FilterError, InputError
 from .gallery import Section
 from .model import ShapeModel
 from .nifti import write_nifti
+from .parameters import DEFAULTS, METHODS, CorrespondenceParameters
 from .phantom import SCAN_SPACING, Ventricle
 from .progress import Lines
 from .results import ResultFolder
@@ -22,33 +24,23 @@ from .surface import Surface
 from .views import Row
 
 SECONDS_PER_PHASE = 0.04  # in the phantom's scan; nothing depends on it
-STEPS_OF_A_METHOD = 2  # maps, landmarks
+
+# What is done one after another; a progress bar counts it.
+METHOD_STEPS = ("maps", "landmarks")
+RESULT_STEPS = ("layers and projects", "shape model")
+MESH_STEPS = ("meshes", "root map", *METHOD_STEPS, *RESULT_STEPS)
+SCAN_STEPS = ("labels", "surfaces", "root map", *METHOD_STEPS, *RESULT_STEPS)
+PART_STEPS = ("phantom", "root map", *METHOD_STEPS * len(METHODS), "truth", *RESULT_STEPS)
 
 
-class Choices(NamedTuple):
-    """What is chosen on the command line; None: as the job thinks best."""
+@dataclass(frozen=True)
+class Choices:
+    """What is chosen on the command line."""
 
-    root: Optional[int] = None
-    method: str = "Robust"  # the phantom gets both
-    order: Optional[str] = None
-    parents: str = ""
-    frequency: int = 10
-    initial_map: str = "Automatic"
-    area_weight: float = 0.9
-    area_restoration: float = 0.0
+    parameters: CorrespondenceParameters = DEFAULTS  # the phantom gets all methods
     pictures: bool = True
-    mirror_layers: bool = False
-    volume: Dict[str, Any] = {}  # of read_label_volume, what is given
-
-    def parameters(self) -> Dict[str, Any]:
-        """Those of correspond() that are the same for every sequence."""
-        return {
-            "parents": self.parents,
-            "frequency": self.frequency,
-            "initial_map": self.initial_map,
-            "area_weight": self.area_weight,
-            "area_restoration": self.area_restoration,
-        }
+    # Of read_label_volume, what is given.
+    volume: Mapping[str, Any] = field(default_factory=dict)
 
 
 def run_meshes(
@@ -75,27 +67,18 @@ def run_meshes(
     for path in paths:
         if home in path.resolve().parents:
             raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
-    if not any(
-        map(files.is_label_volume, paths)
-    ):  # how many phases those have is known when they are read
-        check_arguments(
-            len(paths),
-            root=choices.root,
-            method=choices.method,
-            order=choices.order or "Time",
-            **choices.parameters(),
-        )
+    if not any(map(files.is_label_volume, paths)):  # whose phases are counted when they are read
+        checked(choices.parameters, len(paths))
     name = name or _name_of(meshes, paths)
-    steps = progress(4 + STEPS_OF_A_METHOD + _picture_count(choices, with_model=1))
+    steps = progress(len(MESH_STEPS) + _picture_count(choices, [{gallery.MODEL}]))
     surfaces, phases = [], None
     for path in paths:
         steps.begin(f"reading {path.name}")
         if files.is_label_volume(path):
             volume = filters.read_label_volume(path, **choices.volume)
             surfaces += volume.surfaces
-            phases = (
-                volume.figures["phase"] if len(paths) == 1 else None
-            )  # some may have been skipped
+            # Some may have been skipped.
+            phases = volume.figures["phase"] if len(paths) == 1 else None
         else:
             surfaces.append(files.read_mesh(path))
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
@@ -115,15 +98,7 @@ def run_meshes(
     )
     results = ResultFolder(folder)
     results.create()  # before the work, not after
-    result = correspond(
-        surfaces,
-        root=choices.root,
-        method=choices.method,
-        order=choices.order or "Time",
-        progress=steps,
-        mirror_layers=choices.mirror_layers,
-        **choices.parameters(),
-    )
+    result = correspond_by(choices.parameters, surfaces, progress=steps)
     labels = all(map(files.is_label_volume, paths))
     row = Row(name, result, unit="mm" if labels else None, phases=phases)
     _write_layers(results, name, row, steps)
@@ -147,53 +122,48 @@ def run_phantom(
 ) -> List[report.Run]:
     """The phantom from a scan of it to a shape model; and both its parts, by both methods, against
     the truth."""
-    if not 0.25 <= voxel_size <= 4:
-        raise InputError(f"The voxels of the phantom must measure 0.25 to 4 mm, not {voxel_size}.")
-    check_arguments(
-        phases,
-        root=choices.root,
-        method=choices.method,
-        order=choices.order or "Cyclic time",
-        **choices.parameters(),
-    )
+    parameters = checked(choices.parameters, phases)
     without = plugin.volume_failure()
     scanned = int(not without)
+    kinds = [{gallery.MODEL}] * scanned + [{gallery.ERRORS}]
     steps = progress(
-        len(filters.PARTS) * (5 + STEPS_OF_A_METHOD * len(filters.METHODS))
-        + scanned * (4 + STEPS_OF_A_METHOD)
-        + _picture_count(choices, with_model=scanned, with_errors=1)
+        len(PART_STEPS) * len(filters.PARTS)
+        + len(SCAN_STEPS) * scanned
+        + _picture_count(choices, kinds)
     )
     results = ResultFolder(folder)
-    results.create()
     fine, runs, rows, errors, sections = {}, [], [], [], []
     for part in filters.PARTS:
         steps.begin(f"{part.lower()}: making the phantom")
-        fine[part] = filters.make_phantom(
-            part=part, phases=phases, voxel_size=voxel_size, seed=seed
-        )
+        try:
+            fine[part] = filters.make_phantom(
+                part=part, phases=phases, voxel_size=voxel_size, seed=seed
+            )
+        except FilterError as error:  # only the arguments can be wrong
+            raise InputError(str(error)) from error
         vertices = np.mean([len(surface.vertices) for surface in fine[part]])
         steps.done(
             f"{part.lower()}: {phases} phases of the phantom, {vertices:.0f} vertices on average"
         )
+    results.create()  # before the work, not after
     if scanned:
         sections.append(
             _scan_section(
-                results, Ventricle("Cavity", phases, seed), fine["Cavity"], choices, steps
+                results,
+                Ventricle("Cavity", phases, seed),
+                fine["Cavity"],
+                parameters,
+                choices.volume,
+                steps,
             )
         )
     else:
         steps.note(f"no scan: label volumes cannot be read here. {without}")
     for part, surfaces in fine.items():
         name, found, root_map = part.lower(), {}, None
-        for method in filters.METHODS:
-            found[method] = correspond(
-                surfaces,
-                root=choices.root or 0,
-                root_map=root_map,
-                method=method,
-                order=choices.order or "Cyclic time",
-                progress=_Named(steps, name),
-                **choices.parameters(),
+        for method in METHODS:
+            found[method] = correspond_by(
+                replace(parameters, method=method), surfaces, root_map, _Named(steps, name)
             )
             root_map = found[method].root_map
         steps.begin(f"{name}: comparing with the truth")
@@ -244,7 +214,8 @@ def _scan_section(
     results: ResultFolder,
     phantom: Ventricle,
     fine: Sequence[Surface],
-    choices: Choices,
+    parameters: CorrespondenceParameters,
+    volume: Mapping[str, Any],
     steps: Lines,
 ) -> Section:
     """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
@@ -258,23 +229,19 @@ def _scan_section(
     steps.done(f"{name}: {labels.shape[3]} phases of labels, voxels of {voxels} mm")
     steps.begin(f"{name}: surfaces of the labels")
     surfaces = filters.read_label_volume(
-        path, **{key: value for key, value in choices.volume.items() if key != "voxel_size"}
+        path, **{key: value for key, value in volume.items() if key != "voxel_size"}
     ).surfaces
     steps.done(
         f"{name}: {len(surfaces)} surfaces, "
         f"{np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
     )
-    result = correspond(
-        surfaces,
-        root=choices.root or 0,
-        order=choices.order or "Cyclic time",
-        progress=_Named(steps, name),
-        **choices.parameters(),
+    result = correspond_by(
+        replace(parameters, method=DEFAULTS.method), surfaces, progress=_Named(steps, name)
     )
     row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1))
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
-    whole = str(choices.volume.get("labels", "1")) == "1"
+    whole = str(volume.get("labels", "1")) == "1"
     return Section(
         [row],
         [report.Run(name, result)],
@@ -358,9 +325,7 @@ def _finish(
     return runs
 
 
-def _picture_count(choices: Choices, **sections: int) -> int:
-    return (
-        0
-        if not choices.pictures or pictures.what_is_missing()
-        else gallery.picture_count(**sections)
-    )
+def _picture_count(choices: Choices, sections: Sequence[Set[str]]) -> int:
+    if not choices.pictures or pictures.what_is_missing():
+        return 0
+    return sum(map(gallery.picture_count, sections))

@@ -24,6 +24,11 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
     meshes = pymeshlab.MeshSet()
     for i, (surface, name) in enumerate(zip(surfaces, distinct_names(surfaces))):
         sphere = maps.get(i) if maps else None
+        if sphere is not None and len(sphere.positions) != len(surface.vertices):
+            raise InputError(
+                f"{surface.name} has {len(surface.vertices)} vertices, its map "
+                f"{len(sphere.positions)} positions."
+            )
         texture = (
             {}
             if sphere is None or sphere.texture is None
@@ -31,11 +36,6 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
         )
         mesh = pymeshlab.Mesh(surface.vertices, surface.faces, **texture)
         if sphere is not None:
-            if len(sphere.positions) != len(surface.vertices):
-                raise InputError(
-                    f"{surface.name} has {len(surface.vertices)} vertices, its map "
-                    f"{len(sphere.positions)} positions."
-                )
             mesh.add_vertex_custom_point_attribute(sphere.positions, ATTRIBUTE)
         meshes.add_mesh(mesh, name)
     if meshes.mesh_number():
@@ -62,9 +62,8 @@ def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
     """Runs a filter; what it refuses comes as a FilterError with the filter's own words."""
     try:
         return meshes.apply_filter(name, **parameters) or {}
-    except (
-        RuntimeError
-    ) as error:  # pybind11 could not convert a value: it names neither the parameter nor the type
+    except RuntimeError as error:
+        # pybind11 could not convert a value: it names neither the parameter nor the type.
         keep(meshes)
         given = ", ".join(f"{key}={value!r}" for key, value in parameters.items())
         raise FilterError(name, f"A parameter of {name} has the wrong type: {given}") from error

@@ -307,10 +307,10 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
             label="the phantom itself",
         )
     others = values if truth is None else np.abs(truth) / per_unit
-    most, least = int(values.argmax()), int(values.argmin())
+    highest, lowest = int(values.argmax()), int(values.argmin())
     for phase, at, above in (
-        (most, max(values[most], others[most]), 10),
-        (least, min(values[least], others[least]), -19),
+        (highest, max(values[highest], others[highest]), 10),
+        (lowest, min(values[lowest], others[lowest]), -19),
     ):
         axis.annotate(
             f"{values[phase]:.4g} {unit}",

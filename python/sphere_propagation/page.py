@@ -58,7 +58,7 @@ class Picture(NamedTuple):
 
 class Table(NamedTuple):
     title: str
-    head: Sequence[str]
+    header: Sequence[str]
     rows: Sequence[Sequence[str]]
     words: int = 1  # columns from the left that are text
     folded: bool = False
@@ -95,8 +95,8 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
 
 def summary_table(runs: Sequence[report.Run]) -> Table:
     """One row per run."""
-    head, *rows = report.summary_rows(runs)
-    return Table("Figures of the runs", head, rows, words=2)
+    header, *rows = report.summary_rows(runs)
+    return Table("Figures of the runs", header, rows, words=report.TEXTS)
 
 
 def layer_table(run: report.Run) -> Table:
@@ -131,7 +131,7 @@ def layer_table(run: report.Run) -> Table:
     )
 
 
-def model_table(model: ShapeModel, most: int = 10) -> Table:
+def model_table(model: ShapeModel, max_modes: int = 10) -> Table:
     """One row per number of modes."""
 
     def with_error(name: str, m: int) -> str:
@@ -145,7 +145,7 @@ def model_table(model: ShapeModel, most: int = 10) -> Table:
             with_error("generalisation", m),
             with_error("specificity", m),
         ]
-        for m in range(min(most, len(model.modes)))
+        for m in range(min(max_modes, len(model.modes)))
     ]
     return Table(
         "The shape model by number of modes",
@@ -185,7 +185,7 @@ def _table(table: Table) -> str:
 
     lines: List[str] = [
         '<div class="scroll"><table>',
-        f"<thead>{row(table.head, 'th')}</thead>",
+        f"<thead>{row(table.header, 'th')}</thead>",
         "<tbody>",
         *(row(cells, "td") for cells in table.rows),
         "</tbody></table></div>",

@@ -193,8 +193,8 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
 def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_count: int = 0):
     """Rows of images with captions on one white page."""
     plt = matplotlib_pyplot()
-    gap, line, margin, head = 26, 54, 40, 110
-    foot = 120 if landmark_count else 40
+    gap, line, margin, header = 26, 54, 40, 110
+    footer = 120 if landmark_count else 40
     width = (
         max(sum(image.shape[1] for image in row) + gap * (len(row) - 1) for row in panels)
         + 2 * margin
@@ -204,7 +204,7 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
         for i in range(len(panels))
     ]
     heights = [row[0].shape[0] + line + (line if name else 0) for row, name in zip(panels, named)]
-    height = head + sum(heights) + gap * (len(panels) - 1) + foot
+    height = header + sum(heights) + gap * (len(panels) - 1) + footer
     dpi = 200
     figure = plt.figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor="white")
     points = 72 / dpi  # per pixel
@@ -221,7 +221,7 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
         weight="bold",
         va="center",
     )
-    top = head
+    top = header
     for i, (row, words) in enumerate(zip(panels, captions)):
         y = top
         if named[i]:

@@ -79,6 +79,7 @@ RETURNED = {
         "residual_p95",
         "repaired_faces",
         "route",
+        "distant",
         "mirrored",
         *FIGURES,
     },

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import command, pictures, plugin, progress
+from sphere_propagation import command, model_pictures, pictures, plugin, progress
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
 
@@ -340,10 +340,11 @@ def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
     [
         ("--root=9", "Layer 9 cannot be the root"),
         ("--frequency=900", "frequency must lie between 1 and 816"),
-        ("--parents=-1,0", "parents must be 3 numbers"),
-        ("--parents=-1,0,3", "parents must be 3 numbers"),
-        ("--parents=-1,0,-1", "-1 for the root, once"),
-        ("--parents=-1,2,1", "round in a circle"),
+        ("--parents=-1,0", "parents: 2 numbers for 3 surface layers"),
+        ("--parents=-1,0,3", "from layer 3, which is no visible surface layer"),
+        ("--parents=-1,0,-1", "is marked as the root (-1), but so is layer 0"),
+        ("--parents=-1,2,1", "would get its map from itself"),
+        ("--parents=0,0,1", "No layer is marked as the root"),
         ("--parents=a,b,c", "whole numbers"),
     ],
 )
@@ -362,6 +363,57 @@ def test_parents_that_begin_with_the_root(heart, tmp_path, given):
     """argparse by itself takes -1,0,1 for an option."""
     assert run("run", heart, "-o", tmp_path / "out", *given, "--frequency", 2, "--no-pictures") == 0
     assert [row["parent"] for row in rows(tmp_path / "out")] == ["-1", "0", "1"]
+
+
+@pytest.fixture
+def bars(monkeypatch):
+    """The bars of the commands that run, which are drawn nowhere."""
+    made = []
+
+    def on_a_terminal(steps, stream=None):
+        made.append(progress.Bar(steps, Terminal()))
+        return made[-1]
+
+    monkeypatch.setattr(progress, "for_stream", on_a_terminal)
+    return made
+
+
+@pytest.mark.parametrize("pictures_too", [True, False])
+def test_a_bar_is_full_when_all_is_done(heart, tmp_path, bars, monkeypatch, pictures_too):
+    for module, names in (
+        (pictures, ("landmarks_over_cycle", "maps_over_cycle", "root_and_sphere")),
+        (pictures, ("errors_over_phase",)),
+        (model_pictures, ("modes", "measures", "scores", "volumes")),
+    ):
+        for name in names:
+            monkeypatch.setattr(module, name, lambda *given, **more: None)
+    more = [] if pictures_too else ["--no-pictures"]
+    assert run("run", heart, "-o", tmp_path / "run", "--frequency", 2, *more) == 0
+    demo = ("demo", tmp_path / "demo", "--phases", 3, "--voxel-size", 4, "--frequency", 2)
+    assert run(*demo, *more) == 0
+    assert [bar.finished for bar in bars] == [bar.steps for bar in bars] and len(bars) == 2
+
+
+def test_the_phantoms_root_is_that_of_its_parents(tmp_path, capsys):
+    demo = ("demo", tmp_path, "--phases", 3, "--voxel-size", 4, "--frequency", 2, "--no-pictures")
+    assert run(*demo, "--parents=1,-1,1") == 0
+    assert {(row["layer"][-2:], row["root"]) for row in rows(tmp_path)} == {
+        ("00", "0"),
+        ("01", "1"),
+        ("02", "0"),
+    }
+
+
+@pytest.mark.parametrize(
+    "option, words",
+    [
+        ("--voxel-size=9", "voxel size must lie between"),
+        ("--phases=10001", "phases must lie between"),
+    ],
+)
+def test_arguments_that_make_no_phantom_end_with_2(tmp_path, capsys, option, words):
+    assert words in refusal(capsys, "demo", tmp_path / "out", option, "--frequency", 1, code=2)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_single_mesh(heart, tmp_path, capsys):

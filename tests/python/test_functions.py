@@ -8,7 +8,7 @@ import numpy as np
 import pymeshlab
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import filters
+from sphere_propagation import filters, parameters
 from sphere_propagation.surface import distinct_names
 
 # Function -> its filter, and the parameters of the filter that it does not have, with the reason.
@@ -29,9 +29,9 @@ FUNCTIONS = {
     sp.make_phantom: (filters.PHANTOM, set()),
 }
 CHOICES = {
-    "initial_map": filters.INITIAL_MAPS,
-    "method": filters.METHODS,
-    "order": filters.ORDERS,
+    "initial_map": parameters.INITIAL_MAPS,
+    "method": parameters.METHODS,
+    "order": parameters.ORDERS,
     "part": filters.PARTS,
     "pattern": filters.PATTERNS,
     "alignment": filters.ALIGNMENTS,
@@ -83,7 +83,10 @@ def test_choices_are_the_filters(parameter, cycle, egg_file):
         "initial_map": lambda value: sp.parameterise_root(cycle.surfaces[0], initial_map=value),
         "method": lambda value: sp.propagate(cycle.surfaces[:2], cycle.root_map, method=value),
         "order": lambda value: sp.propagate(
-            cycle.surfaces[:2], cycle.root_map, order=value, parents="-1, 0"
+            cycle.surfaces[:2],
+            cycle.root_map,
+            order=value,
+            parents="-1, 0" if value == "Given" else "",
         ),
         "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
         "alignment": lambda value: sp.shape_model(
@@ -138,18 +141,100 @@ def test_arrays_will_do(cycle):
     assert sp.remesh(surfaces, found.maps, frequency=2).points.shape == (2, 42, 3)
 
 
-def test_parents_are_a_list(cycle):
-    found = sp.propagate(cycle.surfaces[:4], cycle.root_map, order="Given", parents=[-1, 0, 0, 2])
+def test_the_whole_jobs_parameters_are_its_functions():
+    """correspond() has those of the three functions that it has a say in, with their defaults."""
+    found = keywords(sp.correspond)
+    assert set(found) - {"root_map", "progress"} == set(vars(parameters.DEFAULTS))
+    for function in (sp.parameterise_root, sp.propagate, sp.remesh):
+        for name, default in keywords(function).items():
+            assert found.get(name, default) == default
+    assert found["root"] is None and parameters.DEFAULTS.root is None
+
+
+@pytest.mark.parametrize("parents", [[-1, 0, 0, 2], np.array([-1, 0, 0, 2]), (-1.0, 0, 0, 2)])
+def test_parents_are_a_list(cycle, parents):
+    found = sp.propagate(cycle.surfaces[:4], cycle.root_map, order="Given", parents=parents)
     assert found.figures["parent"].tolist() == [-1, 0, 0, 2]
+    assert sp.correspond(cycle.surfaces[:4], order="Given", parents=parents, frequency=2).root == 0
+
+
+@pytest.mark.parametrize(
+    "text, numbers",
+    [
+        ("1,-1,1", [1, -1, 1]),
+        ("1 -1 1", [1, -1, 1]),
+        (" 1; -1;\t+1 ,", [1, -1, 1]),
+        ("1,,-1,\n1", [1, -1, 1]),
+        ("1,-1,1.0", None),
+        ("1,-1,1_0", None),
+        ("1,-1,a", None),
+        ("1,-1,\N{ARABIC-INDIC DIGIT ONE}", None),
+        ("1,-", None),
+        ("", None),
+    ],
+)
+def test_a_text_of_parents_is_read_as_the_filter_reads_it(cycle, text, numbers):
+    three = cycle.surfaces[:3]
+
+    def found(function, *arguments, **more):
+        try:
+            return function(*arguments, order="Given", parents=text, **more).figures["parent"]
+        except (sp.InputError, sp.FilterError):
+            return None
+
+    by_filter = found(sp.propagate, three, cycle.maps[1], root_layer=1)
+    by_package = found(sp.correspond, three, root_map=cycle.maps[1], frequency=1)
+    for parents in (by_filter, by_package):
+        assert (None if parents is None else parents.tolist()) == numbers
+
+
+def test_parents_that_are_not_looked_at_are_warned_of(cycle):
+    """Once, at the line of the caller."""
+    two = cycle.surfaces[:2]
+    for call in (
+        lambda: sp.propagate(two, cycle.root_map, parents="-1, 0"),
+        lambda: sp.propagate(two, cycle.root_map, order="Star", parents=[-1, 0]),
+        lambda: sp.correspond(two, root_map=cycle.root_map, root=0, parents=[-1, 0], frequency=1),
+    ):
+        with pytest.warns(sp.SpherePropagationWarning, match="parents is not looked at") as warned:
+            call()
+        assert len(warned) == 1 and warned[0].filename == __file__
+
+
+def test_a_map_of_another_surface_is_refused(cycle):
+    """With and without texture coordinates, which PyMeshLab would refuse in words of its own."""
+    other = next(
+        i for i in range(1, 6) if len(cycle.maps[i].positions) != len(cycle.maps[0].positions)
+    )
+    for wrong in (cycle.maps[other], cycle.maps[other].positions):
+        with pytest.raises(sp.InputError, match="vertices, its map"):
+            sp.propagate(cycle.surfaces, wrong, root_layer=0)
+        with pytest.raises(sp.InputError, match="vertices, its map"):
+            sp.remesh(cycle.surfaces[:1], [wrong])
+
+
+def test_the_most_landmarks_are_the_filters(cycle):
+    """correspond() refuses too many before any work, the filter when the maps are there."""
+    refused = 1000  # on two surfaces: four landmarks too many
+    with pytest.raises(sp.FilterError, match=f"more than {filters.MAX_LANDMARKS}\\."):
+        sp.remesh(cycle.surfaces[:2], cycle.maps[:2], frequency=refused)
+    with pytest.raises(sp.InputError, match=f"between 1 and {refused - 1} for 2 surfaces"):
+        sp.correspond(cycle.surfaces[:2], frequency=refused)
 
 
 def test_a_surface_in_another_unit_is_warned_of(cycle):
     away = sp.Surface(cycle.surfaces[2].vertices * 10, cycle.surfaces[2].faces, "in tenths of mm")
-    with pytest.warns(
-        sp.SpherePropagationWarning, match=r"^in tenths of mm lies \d+\.\d edge lengths off"
-    ) as warned:
-        sp.propagate([*cycle.surfaces[:2], away], cycle.root_map)
-    assert len(warned) == 1 and warned[0].filename == __file__
+    for function in (sp.propagate, sp.correspond):
+        with pytest.warns(
+            sp.SpherePropagationWarning, match=r"^in tenths of mm lies \d+\.\d edge lengths off"
+        ) as warned:
+            found = (
+                function([*cycle.surfaces[:2], away], cycle.root_map)
+                if function is sp.propagate
+                else function([*cycle.surfaces[:2], away], root=0, frequency=1)
+            )
+        assert len(warned) == 1 and warned[0].filename == __file__
+        assert found.figures["distant"].tolist() == [0, 0, 1]
 
 
 def test_the_largest_is_the_root(cycle):

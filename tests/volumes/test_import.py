@@ -82,6 +82,7 @@ def test_one_entry_per_layer(tmp_path):
         "filled_voxels",
         "handles",
         "changed_voxels",
+        "thin",
         "seconds",
     }
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""The parameters of the whole job, with their choices and defaults; tests compare them with the
+filters'."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import List, Optional, Sequence, Union
+
+import numpy as np
+
+from .errors import InputError
+
+INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
+METHODS = ("Robust", "As published")
+ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
+
+Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers
+
+
+@dataclass(frozen=True, eq=False)
+class CorrespondenceParameters:
+    """What correspond() can be told beside its surfaces, where it says what each means."""
+
+    root: Optional[int] = None
+    method: str = "Robust"
+    order: str = "Time"
+    parents: Parents = ""
+    frequency: int = 10
+    initial_map: str = "Automatic"
+    area_weight: float = 0.9
+    area_restoration: float = 0.0
+    mirror_layers: bool = False
+
+
+DEFAULTS = CorrespondenceParameters()
+
+
+def whole_numbers(name: str, values) -> List[int]:
+    """One or several, of any type; 1.5 is not taken for 1."""
+    try:
+        numbers = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        numbers = np.array([np.nan])
+    if numbers.ndim != 1 or not np.isfinite(numbers).all() or (numbers != np.floor(numbers)).any():
+        raise InputError(f"{name} must be whole numbers, not {values!r}.")
+    return [int(number) for number in numbers]
+
+
+def parent_numbers(parents: Parents) -> List[int]:
+    """The numbers of parents; in a text, as the filter reads it, between commas, semicolons and
+    blanks."""
+    if not isinstance(parents, str):
+        return whole_numbers("parents", parents)
+    words = re.split(r"[,;\s]+", parents.strip(",; \t\n\r\f\v"))
+    if not all(re.fullmatch(r"[+-]?[0-9]+", word) for word in words):
+        raise InputError(f'parents must be whole numbers, as "-1,0,1", not {parents!r}.')
+    return [int(word) for word in words]
