@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // What propagation reaches and costs; see the usage below.
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -13,6 +15,8 @@
 #include "benchmarks/ply.h"
 #include "benchmarks/timing.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/propagation/motion/dense_kernels.h"
+#include "vcg_ext/propagation/motion/motion_basis.h"
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
 #include "vcg_ext/root_map/root_map.h"
@@ -29,6 +33,8 @@ step cost. scripts/measure-propagation runs it on whole sets of data. Options:
   --method robust|published   default robust
   --order time|cyclic|similarity|star   default cyclic
   --root N          counted from 0; default 0
+  --learn-from N    the fewest arcs that the prior of motion is learnt from; default 11
+  --kernels         what the kernels of the motion's fit cost beside Eigen's, and no more
   --threads N       0 = all; default 0
   --repeat N        take the least of N runs, after one that is not counted
   --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
@@ -39,6 +45,7 @@ struct Options {
   PropagationParameters parameters;
   std::string order = "cyclic", landmarks, rootMap;
   int root = 0, repeat = 1;
+  bool kernels = false;
   std::vector<std::string> files;
 };
 
@@ -58,6 +65,10 @@ Options optionsOf(const std::vector<std::string>& arguments) {
       options.order = value();
     } else if (word == "--root") {
       options.root = std::stoi(value());
+    } else if (word == "--learn-from") {
+      options.parameters.motion.minArcsToLearnFrom = std::stoi(value());
+    } else if (word == "--kernels") {
+      options.kernels = true;
     } else if (word == "--threads") {
       options.parameters.threads = std::stoi(value());
     } else if (word == "--repeat") {
@@ -101,6 +112,43 @@ struct Cost {
     }
   }
 };
+
+/// How many times as long Eigen takes for the same, least of 25 runs each.
+void compareKernels() {
+  constexpr int columns = MotionBasis::columns, local = MotionBasis::localColumns, nodes = 1002;
+  const auto seconds = [](const auto& work) { return Cost(25, work).wall; };
+  const auto compare = [&](const char* name, const auto& ours, const auto& eigens) {
+    const double here = seconds(ours), there = seconds(eigens);
+    std::printf("%s: %.3f ms, Eigen's %.3f ms = %.1f\n", name, 1e3 * here, 1e3 * there,
+                there / here);
+  };
+  std::srand(1);
+  const RowsF rows = RowsF::Random(nodes, columns);
+  Eigen::MatrixXf sum;
+  compare(
+      "sumOfOuterProducts, rankUpdate", [&] { sum = sumOfOuterProducts(rows); },
+      [&] {
+        sum.setZero(columns, columns);
+        sum.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+      });
+  const Eigen::MatrixXd square = rows.cast<double>().transpose() * rows.cast<double>();
+  Eigen::MatrixXd inverse;
+  compare(
+      "inverseOf, llt", [&] { inverse = inverseOf(square); },
+      [&] { inverse = square.llt().solve(Eigen::MatrixXd::Identity(columns, columns)); });
+  const RowsF single = RowsF::Random(3 * nodes, local);
+  const Eigen::Matrix<double, Eigen::Dynamic, local, Eigen::RowMajor> basis = single.cast<double>();
+  const Eigen::VectorXd c = Eigen::VectorXd::Random(local), f = Eigen::VectorXd::Random(3 * nodes);
+  const Eigen::VectorXf cSingle = c.cast<float>(), fSingle = f.cast<float>();
+  Eigen::VectorXd moved, pull;
+  Eigen::VectorXf movedSingle, pullSingle;
+  compare(
+      "B c in single precision, in double", [&] { movedSingle = single * cSingle; },
+      [&] { moved = basis * c; });
+  compare(
+      "B^T f in single precision, in double", [&] { pullSingle = single.transpose() * fSingle; },
+      [&] { pull = basis.transpose() * f; });
+}
 
 void run(const Options& options) {
   std::vector<ClosedSurface> surfaces;
@@ -178,6 +226,10 @@ int main(int count, char** arguments) {
   using namespace sphere_propagation::benchmark;
   try {
     const Options options = optionsOf({arguments + 1, arguments + count});
+    if (options.kernels) {
+      compareKernels();
+      return 0;
+    }
     if (options.files.empty()) {
       std::printf("%s", usage);
       return 2;

@@ -13,8 +13,9 @@ Table 1 run again.
     seeds   how many phantoms of each kind are averaged (default 1)
     peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes
             landmarks_TT.ply; run in the first table
-    PART    of: sequences, paper, disturbed, other (phantoms of another make and other organs:
-            made_motions.py; data/classic, data/finch_skulls)
+    PART    of: sequences, paper, disturbed, orders (shuffled phases and a star, the motion's prior
+            learnt or fixed), other (phantoms of another make and other organs: made_motions.py;
+            data/classic, data/finch_skulls)
 
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
 cyclic order. CPU: seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's
@@ -23,6 +24,7 @@ Laplacian. The least of three runs, of a peer one.
 
 import argparse
 import os
+import random
 import re
 import resource
 import subprocess
@@ -41,12 +43,12 @@ PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
 METHODS = {"published": "As published", "robust": "Robust"}
 
 
-def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False):
+def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False, more=()):
     """What propagation_benchmark says (name -> number), and the landmarks, layer by layer; None
     where it failed and may."""
     with tempfile.TemporaryDirectory() as folder:
         landmarks = Path(folder) / "landmarks"
-        more = ["--root-map", root_map] if root_map else []
+        more = [*more, *(["--root-map", root_map] if root_map else [])]
         done = subprocess.run(
             [
                 options.program,
@@ -157,6 +159,36 @@ def cost_cells(figures):
     ]
 
 
+def known_truth(options, measure, phantom, folder):
+    """Name, files, and what gives the errors of landmarks, of each sequence with known truth."""
+    truth = [
+        (measure.points(v), f)
+        for v, f in map(
+            measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply"))
+        )
+    ]
+    data = [
+        (
+            "real patient with known truth",
+            sorted((options.data / "heart_truth/mc").glob("*.ply")),
+            lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)],
+        ),
+    ]
+    for part in ("cavity", "wall"):
+        for seed in range(options.seeds):
+            ventricle = phantom.Ventricle(part, seed)
+            place = folder / f"{part}{seed}"
+            place.mkdir(exist_ok=True)
+            data.append(
+                (
+                    f"phantom, {part}, seed {seed}",
+                    write_phases(phantom, ventricle, ventricle.phases, place),
+                    ventricle.errors,
+                )
+            )
+    return data
+
+
 def sequences(options, measure, phantom, folder):
     table(
         [
@@ -173,32 +205,10 @@ def sequences(options, measure, phantom, folder):
             "error",
         ]
     )
-    truth = [
-        (measure.points(v), f)
-        for v, f in map(
-            measure.read_ply, sorted((options.data / "heart_truth/truth").glob("*.ply"))
-        )
-    ]
-    data = [
-        (
-            "real patient with known truth",
-            sorted((options.data / "heart_truth/mc").glob("*.ply")),
-            lambda landmarks: [e.mean() for e in measure.truth_errors(truth, landmarks)],
-        ),
-        ("real patient, cine", sorted((options.data / "heart_cine").glob("endo_*.ply")), None),
-    ]
-    for part in ("cavity", "wall"):
-        for seed in range(options.seeds):
-            ventricle = phantom.Ventricle(part, seed)
-            place = folder / f"{part}{seed}"
-            place.mkdir()
-            data.append(
-                (
-                    f"phantom, {part}, seed {seed}",
-                    write_phases(phantom, ventricle, ventricle.phases, place),
-                    ventricle.errors,
-                )
-            )
+    data = known_truth(options, measure, phantom, folder)
+    data.insert(
+        1, ("real patient, cine", sorted((options.data / "heart_cine").glob("endo_*.ply")), None)
+    )
     for name, files, errors in data:
         files = list(map(str, files))
         root_map = str(folder / "root_map.ply")
@@ -304,6 +314,31 @@ def disturbed(options, measure, phantom, folder):
         row([name, *cells])
 
 
+def orders(options, measure, phantom, folder):
+    """Does what is learnt from the sequence serve orders that are none in time?"""
+    table(["data", "order", "prior learnt", "prior fixed"])
+    fixed = ("--learn-from", "1000000")
+    for name, files, errors in known_truth(options, measure, phantom, folder):
+        for order in ("similarity", "star"):
+            shuffled = list(range(len(files)))
+            if order == "similarity":
+                rest = shuffled[1:]
+                random.Random(1).shuffle(rest)
+                shuffled = [0, *rest]
+            cells = []
+            for prior in ((), fixed):
+                landmarks = run(
+                    options,
+                    [str(files[i]) for i in shuffled],
+                    repeat=1,
+                    more=("--order", order, *prior),
+                )[1]
+                in_time = [landmarks[shuffled.index(i)] for i in range(len(files))]
+                cells.append(error_text([errors(in_time)]))
+            label = "Similarity tree, shuffled" if order == "similarity" else "Star"
+            row([name, label, *cells])
+
+
 def other(options, measure, phantom, folder):
     def surface(file):
         vertex, f = measure.read_ply(options.data / file)
@@ -376,7 +411,13 @@ def main():
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--peer")
-    parts = {"sequences": sequences, "paper": paper, "disturbed": disturbed, "other": other}
+    parts = {
+        "sequences": sequences,
+        "paper": paper,
+        "disturbed": disturbed,
+        "orders": orders,
+        "other": other,
+    }
     parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
     options = parser.parse_args()
     if not (options.data.parent / "yardstick/measure.py").exists():

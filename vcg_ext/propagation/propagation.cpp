@@ -33,7 +33,7 @@ void requireFit(const Sequence& sequence, const MappedSurface& root, const Propa
 std::unique_ptr<PropagationStrategy> strategyOf(const PropagationParameters& parameters) {
   if (parameters.method == PropagationMethod::AsPublished)
     return std::make_unique<PublishedStrategy>(parameters.published);
-  return std::make_unique<RobustStrategy>();
+  return std::make_unique<RobustStrategy>(parameters.motion);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "vcg_ext/base/progress.h"
+#include "vcg_ext/propagation/motion/motion_propagation.h"
 #include "vcg_ext/propagation/published/published_propagation.h"
 #include "vcg_ext/propagation/strategy.h"
 
@@ -28,6 +29,7 @@ struct PropagationParameters {
   /// Robust averages both ways round (motion_cycle.h).
   std::optional<Arc> closing = {};
   int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any
+  MotionParameters motion = {};  ///< of method Robust
 };
 
 /// Throws ParameterError where a parameter is out of range, whatever the layers.

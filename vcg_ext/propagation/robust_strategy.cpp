@@ -8,7 +8,6 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/propagation/aligned/aligned_propagation.h"
-#include "vcg_ext/propagation/motion/motion_propagation.h"
 #include "vcg_ext/propagation/published/published_propagation.h"
 
 namespace sphere_propagation {
@@ -63,8 +62,9 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   report(progress, 0);
   const std::vector<LayerPose> poses = findLayerPoses(task.sequence, task.tree, task.pool);
   const Sequence laid = laidInRootsFrame(task.sequence, poses);
-  FollowedMotion followed = followMotion(laid, task.root, task.tree, task.pool,
-                                         part(progress, 0, followingShare), task.closing);
+  FollowedMotion followed =
+      followMotion(laid, task.root, task.tree, task.pool, part(progress, 0, followingShare),
+                   task.closing, parameters_);
   Propagation result;
   result.learnt = followed.learnt;
   result.averaged = followed.averaged;

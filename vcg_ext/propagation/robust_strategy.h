@@ -5,6 +5,7 @@
 /// of that either, as published (published_propagation.h): shapes that differ much, of which the
 /// published steps smooth all, and so reach a valid map more often.
 
+#include "vcg_ext/propagation/motion/motion_propagation.h"
 #include "vcg_ext/propagation/strategy.h"
 
 namespace sphere_propagation {
@@ -14,10 +15,14 @@ constexpr double maxRelativeSize = 100;
 
 class RobustStrategy : public PropagationStrategy {
  public:
+  explicit RobustStrategy(const MotionParameters& parameters) : parameters_(parameters) {}
   /// Layers in another pose than the rest are laid in the root's frame for it (layer_poses.h).
   /// Throws, besides, ParameterError where a layer is of another size than its parent by more than
   /// maxRelativeSize.
   Propagation propagate(const PropagationTask& task, const Progress& progress) const override;
+
+ private:
+  MotionParameters parameters_;
 };
 
 /// The size of each surface relative to its parent's; 1 at the root.

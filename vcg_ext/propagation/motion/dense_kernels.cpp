@@ -5,58 +5,95 @@
 #include <algorithm>
 #include <cstring>
 
-// One version per instruction set, chosen when the library is loaded; elsewhere whatever the
-// compiler targets.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define FOR_EACH_PROCESSOR __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FOR_EACH_PROCESSOR
-#endif
-
 namespace sphere_propagation {
 namespace {
 
-constexpr int lane = 64;  // bytes of a row that are worked on at once
-constexpr int tile =
-    6;  // rows of the result that are worked on at once: what fits into sixteen registers
-constexpr int rowsAtOnce = 64;  // of the factors: what stays in the cache
+constexpr int tile = 6;  // rows of the result that are worked on at once, by two vectors: what fits
+                         // into sixteen registers
+constexpr int rowsAtOnce = 64;      // of the factors: what stays in the cache
+constexpr Eigen::Index line = 128;  // bytes that all pairs of vectors divide
 
-using FloatLane __attribute__((vector_size(lane))) = float;
-using DoubleLane __attribute__((vector_size(lane))) = double;
+template <class Number>
+using AddProducts = void (*)(const Number* x, const Number* y, int count, int size,
+                             Eigen::Index stride, Number* matrix);
 
 /// The lower triangle of matrix += sum over k of x_k y_k^T, and right of it what shares a tile or a
-/// lane. x, y: `count` rows; all rows are `stride` numbers apart, which fill whole lanes; size: of
-/// the matrix, a multiple of `tile`.
-template <class Lane, class Number>
+/// pair of vectors. x, y: `count` rows; all rows are `stride` numbers apart, which fill whole
+/// lines; size: of the matrix, a multiple of `tile`. The vectors have to be those of the processor:
+/// compilers take larger ones apart badly.
+template <int bytes, class Number>
 inline __attribute__((always_inline)) void addProducts(const Number* x, const Number* y, int count,
                                                        int size, Eigen::Index stride,
                                                        Number* matrix) {
-  constexpr int width = lane / sizeof(Number);
+  using Vector __attribute__((vector_size(bytes))) = Number;
+  constexpr int width = bytes / sizeof(Number);
   for (int begin = 0; begin < count; begin += rowsAtOnce) {
     const int end = std::min(count, begin + rowsAtOnce);
     for (int i = 0; i < size; i += tile)
-      for (int j = 0; j < i + tile; j += width) {
-        Lane sum[tile];
-        for (int a = 0; a < tile; ++a) std::memcpy(&sum[a], matrix + (i + a) * stride + j, lane);
-        for (int k = begin; k < end; ++k) {
-          Lane right;
-          std::memcpy(&right, y + k * stride + j, lane);
-          const Number* left = x + k * stride + i;
-          for (int a = 0; a < tile; ++a) sum[a] += left[a] * right;
+      for (int j = 0; j < i + tile; j += 2 * width) {
+        Vector left[tile], right[tile];
+        for (int a = 0; a < tile; ++a) {
+          std::memcpy(&left[a], matrix + (i + a) * stride + j, bytes);
+          std::memcpy(&right[a], matrix + (i + a) * stride + j + width, bytes);
         }
-        for (int a = 0; a < tile; ++a) std::memcpy(matrix + (i + a) * stride + j, &sum[a], lane);
+        for (int k = begin; k < end; ++k) {
+          Vector first, second;
+          std::memcpy(&first, y + k * stride + j, bytes);
+          std::memcpy(&second, y + k * stride + j + width, bytes);
+          for (int a = 0; a < tile; ++a) {
+            const Number factor = x[k * stride + i + a];
+            left[a] += factor * first;
+            right[a] += factor * second;
+          }
+        }
+        for (int a = 0; a < tile; ++a) {
+          std::memcpy(matrix + (i + a) * stride + j, &left[a], bytes);
+          std::memcpy(matrix + (i + a) * stride + j + width, &right[a], bytes);
+        }
       }
   }
 }
 
-FOR_EACH_PROCESSOR void addProducts(const float* x, const float* y, int count, int size,
-                                    Eigen::Index stride, float* matrix) {
-  addProducts<FloatLane>(x, y, count, size, stride, matrix);
+/// What every processor can.
+template <class Number>
+void addProductsAnywhere(const Number* x, const Number* y, int count, int size, Eigen::Index stride,
+                         Number* matrix) {
+  addProducts<16>(x, y, count, size, stride, matrix);
 }
 
-FOR_EACH_PROCESSOR void addProducts(const double* x, const double* y, int count, int size,
-                                    Eigen::Index stride, double* matrix) {
-  addProducts<DoubleLane>(x, y, count, size, stride, matrix);
+#if defined(__x86_64__) && defined(__GNUC__)
+template <class Number>
+__attribute__((target("avx2"))) void addProductsAvx2(const Number* x, const Number* y, int count,
+                                                     int size, Eigen::Index stride,
+                                                     Number* matrix) {
+  addProducts<32>(x, y, count, size, stride, matrix);
+}
+
+template <class Number>
+__attribute__((target("avx512f"))) void addProductsAvx512(const Number* x, const Number* y,
+                                                          int count, int size, Eigen::Index stride,
+                                                          Number* matrix) {
+  addProducts<64>(x, y, count, size, stride, matrix);
+}
+
+template <class Number>
+AddProducts<Number> quickest() {
+  if (__builtin_cpu_supports("avx512f")) return addProductsAvx512<Number>;
+  if (__builtin_cpu_supports("avx2")) return addProductsAvx2<Number>;
+  return addProductsAnywhere<Number>;
+}
+#else
+template <class Number>
+AddProducts<Number> quickest() {
+  return addProductsAnywhere<Number>;
+}
+#endif
+
+template <class Number>
+void addProducts(const Number* x, const Number* y, int count, int size, Eigen::Index stride,
+                 Number* matrix) {
+  static const AddProducts<Number> add = quickest<Number>();
+  add(x, y, count, size, stride, matrix);
 }
 
 constexpr Eigen::Index roundedUp(Eigen::Index count, Eigen::Index to) {
@@ -67,7 +104,7 @@ constexpr Eigen::Index roundedUp(Eigen::Index count, Eigen::Index to) {
 
 Eigen::MatrixXf sumOfOuterProducts(const RowsF& rows) {
   const Eigen::Index columns = rows.cols(), size = roundedUp(columns, tile),
-                     stride = roundedUp(size, lane / Eigen::Index{sizeof(float)});
+                     stride = roundedUp(size, line / Eigen::Index{sizeof(float)});
   RowsF padded = RowsF::Zero(rows.rows(), stride), sum = RowsF::Zero(size, stride);
   padded.leftCols(columns) = rows;
   addProducts(padded.data(), padded.data(), static_cast<int>(rows.rows()), static_cast<int>(size),
@@ -82,7 +119,7 @@ Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& positiveDefinite) {
   constexpr Eigen::Index block = 2 * tile;
   using Block = Eigen::Matrix<double, block, block>;
   const Eigen::Index count = positiveDefinite.rows(), size = roundedUp(count, block),
-                     stride = roundedUp(size, lane / Eigen::Index{sizeof(double)});
+                     stride = roundedUp(size, line / Eigen::Index{sizeof(double)});
   Rows matrix = Rows::Zero(size, stride);
   matrix.topLeftCorner(count, count) = positiveDefinite;
   matrix.diagonal().tail(size - count).setOnes();

@@ -14,9 +14,6 @@
 
 namespace sphere_propagation {
 
-/// The fewest arcs that a prior is learnt from.
-constexpr int minArcsToLearnFrom = 11;
-
 struct LearntPrior {
   MotionPrior prior;
   MotionVariances variances;                  ///< that it was drawn towards
@@ -27,7 +24,9 @@ struct LearntPrior {
 /// covariance: (1) a fit with a wide prior; (2) expectation-maximisation of the three affine
 /// variances over its arcs, the local coefficients integrated out and the noise tempered; (3) of
 /// the full covariance, drawn towards (2), where what an arc leaves uncertain is taken from the
-/// mean of all arcs' equations. For sequences in time of about a dozen layers or more.
+/// mean of all arcs' equations. For a dozen layers or more, in whatever order: also where it is
+/// none in time, what is learnt is better than the fixed prior, or as good (measured in
+/// docs/propagation_robust.md).
 LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
                              const PropagationTree& tree, ThreadPool& pool,
                              const Progress& progress = {});

@@ -23,7 +23,7 @@ struct MotionPrior {
   static MotionPrior of(const MotionVariances& variances, double noise);
 };
 
-/// The prior where nothing is learnt (motion_learning.h).
+/// The prior where there is too little to learn from (motion_learning.h).
 MotionPrior fixedMotionPrior();
 
 }  // namespace sphere_propagation

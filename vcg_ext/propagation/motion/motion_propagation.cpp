@@ -30,7 +30,7 @@ std::optional<TransferredMap> readMap(const MappedSurface& root, const std::vect
 
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress,
-                            const std::optional<Arc>& closing) {
+                            const std::optional<Arc>& closing, const MotionParameters& parameters) {
   const Stopwatch fitting;
   FollowedMotion followed;
   followed.layers.resize(static_cast<size_t>(sequence.size()));
@@ -38,7 +38,7 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
   const MotionModel model(root);
   sequence.prepare(pool);
   const std::vector<int> rootOrder = sequence[tree.root()].locator().order();
-  const bool learns = tree.size() - 1 >= minArcsToLearnFrom;
+  const bool learns = tree.size() - 1 >= parameters.minArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
   MotionFit fit;
   if (learns) {

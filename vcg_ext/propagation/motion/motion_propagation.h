@@ -22,6 +22,12 @@
 
 namespace sphere_propagation {
 
+struct MotionParameters {
+  /// The fewest arcs that a prior is learnt from, whatever the order; with fewer it is the fixed
+  /// one (motion_prior.h).
+  int minArcsToLearnFrom = 11;
+};
+
 struct FollowedLayer {
   TransferredMap transferred;
   double seconds = 0;  ///< wall clock: its reading, and its share of the fits
@@ -49,6 +55,7 @@ struct FollowedMotion {
 /// is the average of both ways round (motion_cycle.h), and what one way loses comes the other way.
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool,
-                            const Progress& progress = {}, const std::optional<Arc>& closing = {});
+                            const Progress& progress = {}, const std::optional<Arc>& closing = {},
+                            const MotionParameters& parameters = {});
 
 }  // namespace sphere_propagation
