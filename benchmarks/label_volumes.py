@@ -11,7 +11,6 @@ Genus, volume and distances are measured by PyMeshLab and SciPy on the layers; w
 labels is the filter's.
 """
 
-import os
 import sys
 import tempfile
 import time
@@ -20,8 +19,9 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 from scipy.spatial import cKDTree
+from setting import PROJECT, VOLUME_PLUGIN, given_data
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/volumes"))
+sys.path.insert(0, str(PROJECT / "tests/volumes"))
 import volume_files
 
 VOLUMES = (
@@ -102,13 +102,7 @@ def thick_against_thin_slices(data, step=7):
 
 
 def main(data):
-    pymeshlab.load_plugin(
-        str(
-            Path(os.environ["SPHERE_PROPAGATION_PLUGIN"])
-            .with_name("libfilter_label_volume.so")
-            .resolve()
-        )
-    )
+    pymeshlab.load_plugin(str(VOLUME_PLUGIN))
     print(
         "| data | label | phases, of genus 0 | volume (ml), first / smallest | surface / voxels | "
         "vertices, mean | handles | voxels changed, most in a phase | s |\n" + "| --- " * 9 + "|"
@@ -129,11 +123,4 @@ def main(data):
 
 
 if __name__ == "__main__":
-    main(
-        Path(
-            sys.argv[1]
-            if len(sys.argv) > 1
-            else os.environ.get("SPHERE_PROPAGATION_DATA")
-            or Path(__file__).resolve().parents[1] / "../shared/data"
-        )
-    )
+    main(given_data())

@@ -11,14 +11,13 @@ Maps and correspondences are measured by DATA/../yardstick, from what the filter
 filters' own figures.
 """
 
-import os
-import sys
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
+from setting import PLUGIN, given_data, yardstick
 
 
 def load_layers(files):
@@ -71,27 +70,9 @@ def row(name, measure, files, method, order, errors):
 
 
 def main():
-    here = Path(__file__).resolve().parents[1]
-    data = Path(
-        sys.argv[1]
-        if len(sys.argv) > 1
-        else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data")
-    )
-    plugin = os.environ.get(
-        "SPHERE_PROPAGATION_PLUGIN",
-        here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so",
-    )
-    if not (data.parent / "yardstick/measure.py").exists():
-        sys.exit(
-            f"No data in {data}, or no yardstick beside it: name the folder with heart_cine and "
-            "heart_truth."
-        )
-    sys.path.insert(0, str(data.parent / "yardstick"))
-    import measure
-    import phantom
-
-    pymeshlab.load_plugin(str(plugin))
-
+    data = given_data()
+    measure, phantom = yardstick(data)
+    pymeshlab.load_plugin(str(PLUGIN))
     print(
         "| data | layers | method | order | root: area sd / angle error | flipped faces, all "
         "layers | landmark error, worst / mean (mm) | seconds |"

@@ -23,7 +23,6 @@ Laplacian. The least of three runs, of a peer one.
 """
 
 import argparse
-import os
 import random
 import re
 import resource
@@ -34,8 +33,8 @@ from pathlib import Path
 
 import made_motions
 import numpy as np
+from setting import DATA, PROJECT, yardstick
 
-ROOT = Path(__file__).resolve().parent.parent
 LANDMARKS = 1002
 # Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for
 # the propagation (one core, 2.4 GHz).
@@ -401,12 +400,12 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--program", default=ROOT / "build/pymeshlab/benchmarks/propagation_benchmark"
+        "--program", default=PROJECT / "build/pymeshlab/benchmarks/propagation_benchmark"
     )
     parser.add_argument(
         "--data",
         type=Path,
-        default=Path(os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data")),
+        default=DATA,
     )
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--threads", type=int, default=0)
@@ -420,15 +419,7 @@ def main():
     }
     parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
     options = parser.parse_args()
-    if not (options.data.parent / "yardstick/measure.py").exists():
-        sys.exit(
-            f"No data in {options.data}, or no yardstick beside it: name the folder with "
-            "heart_cine and heart_truth."
-        )
-    sys.path.insert(0, str(options.data.parent / "yardstick"))
-    import measure
-    import phantom
-
+    measure, phantom = yardstick(options.data)
     with tempfile.TemporaryDirectory() as folder:
         for part in options.only:
             parts[part](options, measure, phantom, Path(folder))

@@ -12,13 +12,11 @@ Milliseconds of a run that replaces earlier landmarks, the least of ten. scripts
 prints the core's part, in the unit u, too.
 """
 
-import os
-import sys
 import time
-from pathlib import Path
 
 import pymeshlab
 from main_job import load_layers
+from setting import PLUGIN, given_data
 
 VERTICES = 3500  # what the paper's layers have, about
 
@@ -51,19 +49,8 @@ def cost(project, threads):
 
 
 def main():
-    here = Path(__file__).resolve().parents[1]
-    data = Path(
-        sys.argv[1]
-        if len(sys.argv) > 1
-        else os.environ.get("SPHERE_PROPAGATION_DATA", here.parent / "shared/data")
-    )
-    plugin = os.environ.get(
-        "SPHERE_PROPAGATION_PLUGIN",
-        here / "build/pymeshlab/plugins/libfilter_sphere_propagation.so",
-    )
-    if not (data / "heart_truth").exists():
-        sys.exit(f"No data in {data}: name the folder with heart_cine and heart_truth.")
-    pymeshlab.load_plugin(str(plugin))
+    data = given_data()
+    pymeshlab.load_plugin(str(PLUGIN))
     print(
         "| data | layers | vertices, mean | one thread: wall, CPU (ms) | all threads: wall, CPU "
         "(ms) |\n| --- | --- | --- | --- | --- |"

@@ -23,7 +23,6 @@ yardstick's.
 
 import argparse
 import math
-import os
 import re
 import resource
 import shlex
@@ -32,7 +31,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from setting import DATA, PROJECT
 
 
 def figures(program, *arguments):
@@ -110,11 +109,13 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--program", default=ROOT / "build/pymeshlab/benchmarks/root_map_benchmark")
+    parser.add_argument(
+        "--program", default=PROJECT / "build/pymeshlab/benchmarks/root_map_benchmark"
+    )
     parser.add_argument(
         "--data",
         type=Path,
-        default=os.environ.get("SPHERE_PROPAGATION_DATA", ROOT / "../shared/data"),
+        default=DATA,
     )
     parser.add_argument("--peer")
     parser.add_argument("--peer-arguments", default="")
@@ -123,11 +124,11 @@ def main():
     parser.add_argument("meshes", nargs="*")
     options = parser.parse_args()
 
-    heads = ["mesh", "vertices", "sd", "angle", "flips", "CPU s", "/ u"]
+    header = ["mesh", "vertices", "sd", "angle", "flips", "CPU s", "/ u"]
     if options.peer:
-        heads += [f"peer: {head}" for head in heads[2:]]
-    print("| " + " | ".join(heads) + " |")
-    print("| " + " | ".join(["---"] * len(heads)) + " |")
+        header += [f"peer: {name}" for name in header[2:]]
+    print("| " + " | ".join(header) + " |")
+    print("| " + " | ".join(["---"] * len(header)) + " |")
     for mesh in options.meshes or default_meshes(Path(options.data)):
         found = figures(options.program, "--threads", options.threads, "--repeat", 3, mesh)
         if found is None:

@@ -20,12 +20,10 @@ for path in sorted(
 
 meshes.set_current_mesh(0)  # the root; for a heart end-diastole, the largest volume, is a good one
 meshes.apply_filter("compute_spherical_parameterisation_root")
-meshes.apply_filter(
-    "transfer_spherical_parameterisation_to_layers", order="Time"
-)  # "Cyclic time" for a whole heart cycle
-figures = meshes.apply_filter(
-    "generate_icosphere_remeshing", frequency=10
-)  # 1002 landmarks on each layer
+# "Cyclic time" for a whole heart cycle.
+meshes.apply_filter("transfer_spherical_parameterisation_to_layers", order="Time")
+# 1002 landmarks on each layer.
+figures = meshes.apply_filter("generate_icosphere_remeshing", frequency=10)
 
 print("distance from the surfaces, mm:", figures["surface_distance_mean"].round(2))
 Path(output).mkdir(parents=True, exist_ok=True)

@@ -22,9 +22,8 @@ from .correspondence import Correspondence
 from .views import Row, chosen_phases, sphere_rotation, upright
 
 if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-    os.environ.setdefault(
-        "VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow"
-    )  # no display: say so instead of trying one
+    # No display: say so instead of trying one.
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 WIDTH = 2400  # pixels
 NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
@@ -132,9 +131,8 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
         axis.set_xlabel("phase", fontsize=11, color=GREY)
         axis.set_xlim(-0.5, len(values) - 0.5)
         axis.set_ylim(0, 1.3 * top)
-        axis.set_yticks(
-            [tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top]
-        )  # none behind the legend
+        # None behind the legend.
+        axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top])
         quiet_axes(axis)
         axis.legend(
             fontsize=10.5,

@@ -69,9 +69,8 @@ def overview(row: Row, layers) -> List[ProjectLayer]:
     seen = [surface.vertices @ rotation.T for surface in result.surfaces]
     low, high = np.min([v.min(0) for v in seen], 0), np.max([v.max(0) for v in seen], 0)
     step = 1.12 * (high - low)[:2]
-    columns = int(
-        np.ceil(np.sqrt(0.5 * len(seen) * step[1] / step[0]))
-    )  # the two grids side by side make a square
+    # The two grids side by side make a square.
+    columns = int(np.ceil(np.sqrt(0.5 * len(seen) * step[1] / step[0])))
     lines = -(-len(seen) // columns)
     radius = min(1.2 * step[0], 0.5 * lines * step[1])
     center = (low + high) / 2

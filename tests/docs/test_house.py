@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""The map of the house in CONTRIBUTING.md is the house: every folder is there, with what it includes."""
+"""The map of the house in CONTRIBUTING.md is the house: every folder is there, with what it
+includes."""
 
 import re
 
@@ -33,9 +34,7 @@ def included_by(folder):
 
 
 def test_every_folder_is_on_the_map():
-    folders = {
-        str(path.parent.relative_to(PROJECT)) for path in (PROJECT / "vcg_ext").rglob("*.h")
-    }
+    folders = {str(path.parent.relative_to(PROJECT)) for path in (PROJECT / "vcg_ext").rglob("*.h")}
     assert folders == {name for name in rows() if name.startswith("vcg_ext/")}
 
 

@@ -304,9 +304,8 @@ def test_spheres_beside_the_surfaces():
     right = max(m.vertex_matrix()[:, 0].max() for m in surfaces_of(ms))
     centres = []
     for surface, sphere in zip(surfaces_of(ms), spheres(ms)):
-        assert np.array_equal(
-            sphere.vertex_matrix(), positions(surface)
-        )  # on the unit sphere: the matrix alone shows it elsewhere
+        # On the unit sphere: the matrix alone shows it elsewhere.
+        assert np.array_equal(sphere.vertex_matrix(), positions(surface))
         matrix = sphere.transform_matrix()
         radius = np.linalg.det(matrix[:3, :3]) ** (1 / 3)
         assert np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, radius**2 * np.eye(3))

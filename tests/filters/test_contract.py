@@ -323,6 +323,5 @@ def test_constants_of_the_published_method_matter(constant):
     assert not np.allclose(usual, positions(ms.mesh(2)), atol=1e-6)
     assert returned["flipped_faces"].sum() == 0
     if "smoothing_sweeps" in constant:
-        assert (
-            returned["repaired_faces"].sum() > 0
-        )  # what the sweeps do not smooth away is repaired, and counted
+        # What the sweeps do not smooth away is repaired, and counted.
+        assert returned["repaired_faces"].sum() > 0

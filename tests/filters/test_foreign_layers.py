@@ -52,9 +52,8 @@ def test_the_layers_behind_it_get_the_maps_that_they_get_without_it(phases, meas
     mixed.apply_filter(PROPAGATE)
     for i, (a, b) in enumerate(zip(landmarks(sound), landmarks(mixed))):
         if i != FOREIGN:
-            assert np.linalg.norm(a - b, axis=1).mean() < 3, (
-                i
-            )  # mm; 25 to 48 where they were fitted from it
+            # In mm; 25 to 48 where they were fitted from it.
+            assert np.linalg.norm(a - b, axis=1).mean() < 3, i
 
 
 def test_nothing_behind_it_is_reflected(phases, measure):

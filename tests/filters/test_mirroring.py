@@ -110,9 +110,8 @@ def test_a_mirrored_heart_elsewhere_is_mirrored_and_its_pose_found():
         ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)["mirrored"]
     ).tolist() == [2]
     difference = landmarks(ms)[2] - expected
-    assert (
-        np.ptp(difference[:, 0]) < 4
-    )  # they differ by a shift, and little else: landmarks lie 3 mm apart
+    # They differ by a shift, and little else: landmarks lie 3 mm apart.
+    assert np.ptp(difference[:, 0]) < 4
     assert np.linalg.norm(difference - difference.mean(0), axis=1).mean() < 1.5
 
 

@@ -87,9 +87,8 @@ def test_propagation_goes_on_from_a_loaded_root(tmp_path):
     ms.apply_filter(ROOT)
     again = loaded(saved(ms, tmp_path))
     ms.apply_filter(PROPAGATE, root_layer=0)
-    assert (
-        again.filter_parameter_values(PROPAGATE)["root_layer"] == 0
-    )  # the first that has a map; the last is current
+    # The first that has a map; the last is current.
+    assert again.filter_parameter_values(PROPAGATE)["root_layer"] == 0
     returned = again.apply_filter(PROPAGATE)
     assert returned["parent"].tolist() == [-1, 0, 1, 2]
     assert returned["flipped_faces"].sum() == 0
@@ -183,9 +182,8 @@ def test_landmarks_of_another_surface_are_not_replaced(tmp_path):
     ms = mapped_cycle(4)
     ms.apply_filter(REMESH, frequency=4)
     files = saved(ms, tmp_path)
-    again = loaded(
-        as_meshlabserver_names_them([*files[:3], files[7]], tmp_path)
-    )  # landmarks of the one that is missing
+    # Landmarks of the one that is missing.
+    again = loaded(as_meshlabserver_names_them([*files[:3], files[7]], tmp_path))
     held = content(again.mesh(3))
     again.apply_filter(REMESH, frequency=5)
     assert again.mesh_number() == 7 and content(again.mesh(3)) == held
@@ -409,9 +407,8 @@ def test_a_damaged_attribute_gives_way_to_the_texture_coordinates():
         v_tex_coords_matrix=surface.vertex_tex_coord_matrix(),
     )
     again.current_mesh().add_vertex_custom_point_attribute(damaged, ATTRIBUTE)
-    assert again.apply_filter(EVALUATE)["valid"].tolist() == [
-        0
-    ]  # what is stored is reported as it is
+    # What is stored is reported as it is.
+    assert again.apply_filter(EVALUATE)["valid"].tolist() == [0]
     again.apply_filter(REMESH)
     ms.apply_filter(REMESH)
     assert np.abs(again.mesh(1).vertex_matrix() - layers(ms)[3].vertex_matrix()).max() < 0.01
@@ -472,9 +469,8 @@ for name in {FILTERS[1:]!r}:
     per_layer = [line for line in lines if "flipped face" in line]
     for t in range(3):
         of_layer = [line for line in per_layer if f"phantom cavity {t:02d}:" in line]
-        assert len(of_layer) == (
-            3 if t == 0 else 2
-        )  # propagation and evaluation; the root has its own filter too
+        # Propagation and evaluation; the root has its own filter too.
+        assert len(of_layer) == (3 if t == 0 else 2)
         for line in of_layer:
             for words in (
                 " vertices",
@@ -486,9 +482,8 @@ for name in {FILTERS[1:]!r}:
                 assert words in line
         assert any(f"phantom cavity {t:02d}: 1002 landmarks" in line for line in lines)
     seconds = [line for line in lines if " s (Hierarchical start" in line or line.endswith(" s")]
-    assert (
-        len(seconds) >= 1 + 1 + 2 + 3 + 3
-    )  # phantom, root, two propagated layers, three remeshed, three evaluated
+    # Phantom, root, two propagated layers, three remeshed, three evaluated.
+    assert len(seconds) >= 1 + 1 + 2 + 3 + 3
     assert any("from phantom cavity 01 with residual" in line for line in lines)
 
     # Progress: real fractions that only grow.

@@ -265,9 +265,10 @@ def test_a_second_run_replaces_what_the_first_made():
     ms.apply_filter(MODEL, mode_layers=4)
     assert len(labels(ms)) == 5 + 9
     ms.set_mesh_visibility(layer(ms, "mode 3 -3 sd").id(), False)
+    # From a file.
     user = add(
         ms, *[layers(ms)[0].vertex_matrix() + 1, layers(ms)[0].face_matrix()], "mode 9 -3 sd.ply"
-    )  # from a file
+    )
     ms.set_current_mesh(0)
     again = ms.apply_filter(MODEL, mode_layers=1, standard_deviations=2)
     assert labels(ms) == [f"shape {k:02d}" for k in range(5)] + [
@@ -485,9 +486,8 @@ def test_statismo_hdf5(exported):
         rebuilt = (mean + basis @ (np.sqrt(variance) * found["/modelinfo/scores"][:, k])).reshape(
             -1, 3
         )
-        assert np.linalg.norm(rebuilt - shapes[k]) < 1e-6 * np.linalg.norm(
-            shapes[k]
-        )  # as far as 32 bits go
+        # As far as 32 bits go.
+        assert np.linalg.norm(rebuilt - shapes[k]) < 1e-6 * np.linalg.norm(shapes[k])
 
 
 def test_hdf5_of_a_model_without_modes(tmp_path):

@@ -77,9 +77,8 @@ def sample():
 
 
 def labels(gui):
-    return [
-        label.replace(" *", "") for label in gui.layers()
-    ]  # the star says that a layer is not saved
+    # The star says that a layer is not saved.
+    return [label.replace(" *", "") for label in gui.layers()]
 
 
 def show(gui, name):
@@ -168,10 +167,11 @@ def test_the_main_job(start, sample):
         assert np.ptp(landmarks.vertex_color_matrix()[:, :3], axis=0).max() > 0.01
         ratio = surface.face_scalar_array()
         assert ratio.min() > 0 and ratio.max() < 20 and ratio.std() > 0
+    # The root's is the least.
     assert (
         layers["ventricle 2"].face_scalar_array().std()
         > 2 * layers["ventricle 0"].face_scalar_array().std()
-    )  # the root's is the least
+    )
 
 
 def test_the_shape_model(start, sample):
@@ -202,9 +202,8 @@ def test_the_shape_model(start, sample):
 )
 def test_from_a_label_volume_to_a_model(start):
     """The phantom's scan: labels in, model out, by clicks alone."""
-    sys.path.insert(
-        0, str(Path(__file__).parents[2] / "python")
-    )  # here: it finds the plugin loaded
+    # Here: it finds the plugin loaded.
+    sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
     from sphere_propagation.nifti import write_nifti
     from sphere_propagation.phantom import Ventricle
 
@@ -299,9 +298,8 @@ def test_hidden_and_moved_layers(start, sample):
     meshes[2].find("MLMatrix44").text = "\n0 -1 0 0 \n1 0 0 0 \n0 0 1 0 \n0 0 0 1 \n"
     path = sample.parent / "surfaces/ventricle_2.ply"
     turned = pymeshlab.MeshSet()
-    turned.load_new_mesh(
-        str(path)
-    )  # the file is turned back, so that the matrix brings it to its place
+    # The file is turned back, so that the matrix brings it to its place.
+    turned.load_new_mesh(str(path))
     mesh = turned.current_mesh()
     v = mesh.vertex_matrix() @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
     turned.add_mesh(pymeshlab.Mesh(v, mesh.face_matrix()), "turned")
@@ -320,6 +318,5 @@ def test_hidden_and_moved_layers(start, sample):
         f"ventricle {i} landmarks" for i in (0, 2, 3, 4)
     ]
     moved, neighbour = layers["ventricle 2 landmarks"], layers["ventricle 3 landmarks"]
-    assert (
-        np.linalg.norm(moved.vertex_matrix() - neighbour.vertex_matrix(), axis=1).mean() < 6
-    )  # mm; a quarter turn is far more
+    # In mm; a quarter turn is far more.
+    assert np.linalg.norm(moved.vertex_matrix() - neighbour.vertex_matrix(), axis=1).mean() < 6

@@ -66,9 +66,8 @@ class MeshLab:
         self.binary, self.home, self.agent = Path(binary), Path(home), Path(agent)
         self.files, self.pictures = [str(Path(f).resolve()) for f in files], Path(pictures or home)
         self.more = environment or {}
-        self._folder = tempfile.TemporaryDirectory(
-            prefix="gui-"
-        )  # short: a socket's path has at most 107 characters
+        # Short: a socket's path has at most 107 characters.
+        self._folder = tempfile.TemporaryDirectory(prefix="gui-")
         self._processes, self._socket, self._received = [], None, b""
         self._filter = None  # whose dialog was opened last
 

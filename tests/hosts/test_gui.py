@@ -116,7 +116,6 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
 
     with meshlab(project) as gui:
         ready(gui, 4)
-        assert (
-            gui.apply(REMESH).count("1002 landmarks") == 2
-        )  # the maps are known again, and landmark layers replaced
+        # The maps are known again, and landmark layers replaced.
+        assert gui.apply(REMESH).count("1002 landmarks") == 2
         assert len(gui.layers()) == 4

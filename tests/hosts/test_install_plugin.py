@@ -36,9 +36,8 @@ def test_a_private_meshlab_again_and_again(install, tmp_path):
         assert code == 0 and f"{prefix}/bin/meshlabserver" in said and "--remove" in said
     server = Server(prefix / "bin/meshlabserver")
     run = server("-s", SCRIPTS / "main_job.mlx", folder=tmp_path)
-    assert (
-        "Spherical parameterise root not found" not in run.output and run.code != 0
-    )  # there is no layer
+    # There is no layer.
+    assert "Spherical parameterise root not found" not in run.output and run.code != 0
 
     # As after an update of the package: other binaries, plugins that are new or gone.
     binary, plugins = prefix / "app/meshlabserver", prefix / "app/plugins"

@@ -72,9 +72,8 @@ def test_the_whole_job(server, measure, surfaces, tmp_path, data, script):
     meshes.apply_filter(REMESH)
     for i, layer in enumerate(landmark_layers(meshes)):
         points = measure.points(measure.read_ply(tmp_path / f"landmarks_{i}.ply")[0])
-        assert (
-            np.abs(points - layer.vertex_matrix()).max() < 2e-3
-        )  # mm; hearts are 100 mm long, floats of that size 8e-6 apart
+        # In mm; hearts are 100 mm long, floats of that size 8e-6 apart.
+        assert np.abs(points - layer.vertex_matrix()).max() < 2e-3
 
 
 def test_a_saved_project_goes_on_in_pymeshlab_and_comes_back(server, surfaces, tmp_path):
@@ -87,14 +86,12 @@ def test_a_saved_project_goes_on_in_pymeshlab_and_comes_back(server, surfaces, t
     landmarks = [m.vertex_matrix() for m in meshes][len(surfaces) :]
     figures = meshes.apply_filter(REMESH)  # knows surfaces from landmarks
     assert len(figures["surface_distance_max"]) == len(surfaces)
-    again = list(meshes)[
-        len(surfaces) :
-    ]  # in the place of those that were loaded, under their names
+    # In the place of those that were loaded, under their names.
+    again = list(meshes)[len(surfaces) :]
     assert len(again) == len(surfaces)
     for new, old in zip(again, landmarks, strict=True):
-        assert (
-            np.abs(new.vertex_matrix() - old).max() < 1e-3
-        )  # texture coordinates are floats: 3e-8 of a turn
+        # Texture coordinates are floats: 3e-8 of a turn.
+        assert np.abs(new.vertex_matrix() - old).max() < 1e-3
     meshes.set_current_mesh(0)
     meshes.apply_filter(PROPAGATE, root_layer=0, method="As published")
 
@@ -136,9 +133,8 @@ def test_from_a_label_volume_to_the_model(server, tmp_path):
     )
     assert run.code == 0, run.output[-3000:]
     files = layer_files(tmp_path / "out.mlp")
-    assert len(files) == 4 + 4 + 1 + 2 * 3 and all(
-        file.is_file() for file in files
-    )  # surfaces, landmarks, mean, modes
+    # Surfaces, landmarks, mean, modes.
+    assert len(files) == 4 + 4 + 1 + 2 * 3 and all(file.is_file() for file in files)
 
     meshes = pymeshlab.MeshSet()
     meshes.apply_filter(

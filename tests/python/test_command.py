@@ -45,11 +45,8 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
     assert run("run", heart, "-o", out, "--frequency", 3) == 0
     said = capsys.readouterr().out
     assert str(out) in said and re.search(r"heart +Robust +3 +0 ", said)
-    assert [row["root"] for row in rows(out)] == [
-        "1",
-        "0",
-        "0",
-    ]  # the largest volume is end-diastole
+    # The largest volume is end-diastole.
+    assert [row["root"] for row in rows(out)] == ["1", "0", "0"]
     made = (
         "landmarks.png",
         "checkerboard.png",
@@ -148,9 +145,8 @@ def test_options_reach_the_filters(heart, tmp_path, capsys):
     softer = float(found[2]["area_ratio_sd"])
     assert run("run", *files, "-o", out, "--root", 2, "--method", "published", "--no-pictures") == 0
     assert softer > 2 * float(rows(out)[2]["area_ratio_sd"])
-    assert (
-        not (out / "given").exists() and (out / "heart").exists()
-    )  # nothing of the first run is left
+    # Nothing of the first run is left.
+    assert not (out / "given").exists() and (out / "heart").exists()
 
 
 def test_the_phantom(tmp_path, capsys):

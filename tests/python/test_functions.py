@@ -69,10 +69,8 @@ def test_parameters_are_the_filters(function):
             else value == meant[parameter]
         )
         assert type(value) is type(meant[parameter])
-        assert parameter in function.__doc__ or parameter in (
-            "seed",
-            "phases",
-        )  # which speak for themselves
+        # Which speak for themselves.
+        assert parameter in function.__doc__ or parameter in ("seed", "phases")
 
 
 @pytest.mark.parametrize("parameter", CHOICES)

@@ -116,6 +116,12 @@ def test_labels_that_are_no_whole_numbers(volume, labels):
 
 # ---------------------------------------------------------------- the command
 
+QUICKLY = ("--frequency", 2, "--no-pictures")
+
+
+def run(*arguments):
+    return command.main([str(argument) for argument in arguments])
+
 
 def test_one_volume_has_no_phases(tmp_path, capsys):
     (tmp_path / "one.nii").write_bytes(volume_files.nifti(volume_files.egg()))
@@ -140,24 +146,9 @@ def test_pictures_number_the_phases_as_the_file_does(tmp_path, monkeypatch):
         "sphere_propagation.gallery.show",
         lambda results, title, text, sections, draw, steps: shown.extend(sections),
     )
-    assert (
-        run(
-            "run",
-            tmp_path / "gap.nii",
-            "-o",
-            tmp_path / "out",
-            "--frequency",
-            2,
-            "--no-pictures",
-            "--skip-incomplete-phases",
-        )
-        == 0
-    )
+    job = ("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--skip-incomplete-phases")
+    assert run(*job, *QUICKLY) == 0
     assert shown[0].rows[0].numbers() == [0, 2, 3]
-
-
-def run(*arguments):
-    return command.main([str(argument) for argument in arguments])
 
 
 def test_from_a_label_volume_to_the_model(volume, tmp_path, capsys):
@@ -177,26 +168,8 @@ def test_from_a_label_volume_to_the_model(volume, tmp_path, capsys):
 
 def test_options_reach_the_import(volume, tmp_path, capsys):
     out = tmp_path / "out"
-    assert (
-        run(
-            "run",
-            volume,
-            "-o",
-            out,
-            "--frequency",
-            2,
-            "--no-pictures",
-            "--labels",
-            "1,2",
-            "--voxel-size",
-            3,
-            "--coordinates",
-            "lps",
-            "--smoothing",
-            0.5,
-        )
-        == 0
-    )
+    options = ("--labels", "1,2", "--voxel-size", 3, "--coordinates", "lps", "--smoothing", 0.5)
+    assert run("run", volume, "-o", out, *options, *QUICKLY) == 0
     surface = sp.read_mesh(next((out / "beat_1.5mm/surfaces").iterdir()))
     expected = sp.read_label_volume(
         volume, labels="1,2", voxel_size=3, coordinates="LPS", smoothing=0.5
@@ -215,7 +188,7 @@ def test_one_file_per_phase(tmp_path, capsys):
     for t in range(3):
         (folder / f"t{9 + t}.mha").write_bytes(volume_files.meta(beat()[..., t].copy()))
     for given in ([folder], sorted(folder.iterdir())):
-        assert run("run", *given, "-o", tmp_path / "out", "--frequency", 2, "--no-pictures") == 0
+        assert run("run", *given, "-o", tmp_path / "out", *QUICKLY) == 0
         assert [path.name for path in sorted((tmp_path / "out/scan/surfaces").iterdir())] == [
             "t10_label_1.ply",
             "t11_label_1.ply",
@@ -232,19 +205,8 @@ def test_phases_without_the_label(tmp_path, capsys):
     (tmp_path / "gap.nii").write_bytes(volume_files.nifti(labels))
     assert run("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--no-pictures") == 1
     assert "phase 1" in capsys.readouterr().err and not (tmp_path / "out").exists()
-    assert (
-        run(
-            "run",
-            tmp_path / "gap.nii",
-            "-o",
-            tmp_path / "out",
-            "--frequency",
-            2,
-            "--no-pictures",
-            "--skip-incomplete-phases",
-        )
-        == 0
-    )
+    job = ("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--skip-incomplete-phases")
+    assert run(*job, *QUICKLY) == 0
     assert len(list((tmp_path / "out/gap/surfaces").iterdir())) == 3
 
 

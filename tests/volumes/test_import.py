@@ -382,9 +382,8 @@ def test_a_series_of_compressed_and_plain_files(tmp_path):
             "t2 label 1",
             "t3 label 1",
         ]
-    written(
-        tmp_path, "t2.nii", files.nifti(np.roll(files.egg(), 5, 1))
-    )  # another form of one of them: as the file that was named
+    # Another form of one of them: as the file that was named.
+    written(tmp_path, "t2.nii", files.nifti(np.roll(files.egg(), 5, 1)))
     projects = [imported(tmp_path / name, file_series=True)[0] for name in ("t1.nii", "t2.nii.gz")]
     plain, packed = (ms.mesh(1).vertex_matrix() for ms in projects)
     assert abs(plain.mean(0) - packed.mean(0))[1] > 1

@@ -20,7 +20,6 @@ namespace sphere_propagation {
 /// amount: in [0, 1]. 0 returns the map bit for bit; 1 preserves areas all but exactly.
 /// Every step keeps the map valid. Throws ParameterError when amount is outside its range or the
 /// map is not the surface's.
-MappedSurface restoreArea(const MappedSurface& map, double amount,
-                      const Progress& progress = {});
+MappedSurface restoreArea(const MappedSurface& map, double amount, const Progress& progress = {});
 
 }  // namespace sphere_propagation

@@ -13,7 +13,7 @@ namespace sphere_propagation {
 
 /// A map that came to a surface from another one.
 struct TransferredMap {
-  MappedSurface map;          ///< of the target, valid
+  MappedSurface map;      ///< of the target, valid
   int repairedFaces = 0;  ///< faces that were flipped before the repair
   Residual residual;      ///< of the distances
   std::vector<double>
