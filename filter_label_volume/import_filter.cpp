@@ -12,9 +12,9 @@
 #include "filter_label_volume/earlier_imports.h"
 #include "filter_label_volume/file_series.h"
 #include "filter_label_volume/volume_file.h"
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/volume/volume_surface.h"
 
@@ -23,12 +23,6 @@ namespace {
 
 /// Phases whose surface lacks more than this share of the label's volume are named in the log.
 constexpr double maxLoss = 0.1;
-
-std::string shortNumber(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
 
 std::string millilitres(double cubicMillimetres) {
   char buffer[32];

@@ -8,8 +8,8 @@
 
 #include "filter_label_volume/itk_reader.h"
 #include "filter_label_volume/volume_header.h"
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 

@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {
@@ -28,13 +29,8 @@ constexpr size_t longestTextHeader = 1 << 20;
 [[noreturn]] void fail(const std::string& what) { throw VolumeError(what); }
 
 std::string bytes(double count) {
-  std::ostringstream text;
-  text.precision(3);
-  if (count >= 1e6)
-    text << count / 1e6 << " MB";
-  else
-    text << static_cast<std::int64_t>(count) << " bytes";
-  return text.str();
+  if (count >= 1e6) return shortNumber(count / 1e6) + " MB";
+  return std::to_string(static_cast<std::int64_t>(count)) + " bytes";
 }
 
 /// Checks a list of sizes, takes trailing ones of 1 off, and fills 3 entries at least.

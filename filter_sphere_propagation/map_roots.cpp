@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {

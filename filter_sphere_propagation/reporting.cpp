@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/reporting.h"
 
-#include <cstdio>
-
 namespace sphere_propagation {
-
-std::string shortNumber(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
 
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures) {

@@ -6,14 +6,11 @@
 #include <vector>
 
 #include "host/filter.h"
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation {
-
-/// A number with three significant digits.
-std::string shortNumber(double value);
 
 /// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
 std::string describeMap(const std::string& label, const ClosedSurface& surface,

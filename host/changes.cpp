@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "host/document.h"
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/sphere/repair/float_copy.h"
 #include "vcg_ext/sphere/repair/texture_copy.h"
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "vcg_ext/base/counted.h"
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {

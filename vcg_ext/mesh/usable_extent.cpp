@@ -4,7 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {
@@ -13,13 +14,6 @@ using Defect = SurfaceError::Defect;
 
 [[noreturn]] void fail(const ClosedSurface& surface, Defect defect, const std::string& text) {
   throw SurfaceError(defect, surface.vertexCount(), 0, "Layer \"" + surface.name() + "\": " + text);
-}
-
-std::string number(double value) {
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
 }
 
 }  // namespace
@@ -31,13 +25,14 @@ void requireUsableExtent(const ClosedSurface& surface) {
   const double coordinate = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   if (coordinate > maxCoordinate)
     fail(surface, Defect::CoordinateRange,
-         "its coordinates reach " + number(coordinate) + ", and beyond " + number(maxCoordinate) +
+         "its coordinates reach " + shortNumber(coordinate) + ", and beyond " +
+             shortNumber(maxCoordinate) +
              " nothing can be computed. Bring all layers to a unit such as mm (\"Transform: Scale, "
              "Normalize\").");
   const double extent = (high - low).maxCoeff();
   if (extent < minExtent)
     fail(surface, Defect::CoordinateRange,
-         "it is " + number(extent) + " large, and below " + number(minExtent) +
+         "it is " + shortNumber(extent) + " large, and below " + shortNumber(minExtent) +
              " nothing can be computed. Bring all layers to a unit such as mm (\"Transform: Scale, "
              "Normalize\").");
   const Points centred = (vertices.rowwise() - 0.5 * (low + high)) / extent;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // Groups and data sets stand side by side under their ids, and are linked from their groups.
 
-#include "vcg_ext/model/exact_text.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/model/hdf5_tree.h"
 
 namespace sphere_propagation {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/model/exact_text.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/model/model_formats.h"
 
 namespace sphere_propagation {

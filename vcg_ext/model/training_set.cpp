@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "vcg_ext/base/counted.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {
