@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/random.h"
 #include "vcg_ext/model/thin_svd.h"
 
 namespace sphere_propagation {
@@ -14,23 +14,6 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
-
-/// Standard normal numbers; std::normal_distribution differs between standard libraries. G.
-/// Marsaglia's polar method.
-class NormalNumbers {
- public:
-  explicit NormalNumbers(unsigned seed) : bits_(seed) {}
-  double next() {
-    for (;;) {
-      const double x = symmetric(), y = symmetric(), square = x * x + y * y;
-      if (square > 0 && square < 1) return x * std::sqrt(-2 * std::log(square) / square);
-    }
-  }
-
- private:
-  double symmetric() { return static_cast<double>(bits_() >> 11) * 0x1p-52 - 1; }
-  std::mt19937_64 bits_;
-};
 
 /// Mean and standard error of values that come one by one, for several modes at once.
 class Statistics {
@@ -116,13 +99,13 @@ ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
   measures.generalisationError = generalisation.error();
 
   const Matrix tails = squaredTails(model.scores, modes);
-  NormalNumbers normal(parameters.seed);
+  std::mt19937_64 bits(parameters.seed);
   Statistics specificity(modes);
   Vector heads(shapes), distances(modes);
   for (int sample = 0; sample < parameters.samples && modes > 0; ++sample) {
     heads.setZero();
     for (Eigen::Index m = 0; m < modes; ++m) {
-      const double b = normal.next() * std::sqrt(model.eigenvalues[m]);
+      const double b = normalNumbers(bits)[0] * std::sqrt(model.eigenvalues[m]);
       heads += (model.scores.col(m).array() - b).square().matrix();
       distances[m] = perLandmark * std::sqrt((heads + tails.col(m)).minCoeff());
     }

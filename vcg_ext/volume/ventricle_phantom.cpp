@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <sstream>
 #include <vector>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/random.h"
 #include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/volume/gaussian_smoothing.h"
 #include "vcg_ext/volume/marching_cubes.h"
@@ -18,38 +18,24 @@ namespace {
 constexpr double wallThickness = 9, thickening = 0.45, radialContraction = 0.36, shortening = 0.16;
 constexpr int maskRows = 400;  // of a sheet, from apex to base; twice as many round the axis
 
-/// numpy.random.RandomState: MT19937 seeded by a whole number, doubles of 53 bits, normals by
-/// Marsaglia's polar method.
+/// numpy.random.RandomState, which hands out the second of two normal numbers first.
 class RandomState {
  public:
   explicit RandomState(unsigned seed) : bits_(seed) {}
 
-  double rand() {
-    const auto high = bits_() >> 5, low = bits_() >> 6;
-    return (static_cast<double>(high) * 67108864.0 + static_cast<double>(low)) / 9007199254740992.0;
-  }
+  double rand() { return uniformNumber(bits_); }
 
   double randn() {
-    if (hasNext_) {
-      hasNext_ = false;
-      return next_;
-    }
-    double x1 = 0, x2 = 0, r2 = 0;
-    do {
-      x1 = 2.0 * rand() - 1.0;
-      x2 = 2.0 * rand() - 1.0;
-      r2 = x1 * x1 + x2 * x2;
-    } while (r2 >= 1.0 || r2 == 0.0);
-    const double f = std::sqrt(-2.0 * std::log(r2) / r2);
-    hasNext_ = true;
-    next_ = f * x1;
-    return f * x2;
+    isFirstLeft_ = !isFirstLeft_;
+    if (!isFirstLeft_) return pair_[0];
+    pair_ = normalNumbers(bits_);
+    return pair_[1];
   }
 
  private:
   std::mt19937 bits_;
-  bool hasNext_ = false;
-  double next_ = 0;
+  std::array<double, 2> pair_{};
+  bool isFirstLeft_ = false;
 };
 
 void checkParameters(const PhantomParameters& p) {
