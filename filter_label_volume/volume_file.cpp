@@ -52,7 +52,7 @@ void VolumeFile::Content::read() {
 /// fastest.
 template <class T>
 void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
-  const size_t count = grid.labels.size(),
+  const size_t count = grid.values.size(),
                phases = header.size.size() > 3 ? static_cast<size_t>(header.size[3]) : 1;
   const T* from =
       reinterpret_cast<const T*>(voxels.data()) +
@@ -67,10 +67,10 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
       const double real = header.slope * static_cast<double>(value) + header.shift,
                    whole = std::nearbyint(real);
       good = std::fabs(real - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
-      if (good) grid.labels[i] = static_cast<std::int32_t>(whole);
+      if (good) grid.values[i] = static_cast<std::int32_t>(whole);
     } else {
-      grid.labels[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(value));
-      good = static_cast<T>(grid.labels[i]) == value && (grid.labels[i] < 0) == (value < T(0));
+      grid.values[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(value));
+      good = static_cast<T>(grid.values[i]) == value && (grid.values[i] < 0) == (value < T(0));
     }
     if (!good && wrong++ == 0) first = i;
   }
@@ -93,7 +93,7 @@ VolumeFile::VolumeFile(std::string name, Coordinates coordinates)
     content_->read();
     LabelGrid place;  // one voxel: only its matrix is looked at
     place.size = Eigen::Vector3i::Ones();
-    place.labels = {0};
+    place.values = {0};
     place.toWorld = content_->toWorld;
     place.check();
   } catch (const Error& error) {
@@ -116,7 +116,7 @@ LabelGrid VolumeFile::phase(int phase) const {
   for (int axis = 0; axis < 3; ++axis)
     grid.size[axis] = static_cast<int>(content_->header.size[static_cast<size_t>(axis)]);
   grid.toWorld = content_->toWorld;
-  grid.labels.resize(grid.index(0, 0, grid.size[2]));
+  grid.values.resize(grid.voxelCount());
   switch (content_->type) {
     case VoxelType::Int8:
       content_->copyPhase<std::int8_t>(phase, grid);

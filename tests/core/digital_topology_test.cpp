@@ -21,10 +21,10 @@ using test::maskOf;
 /// `reach`.
 int countComponents(const Mask& mask, bool inside, int reach) {
   const Eigen::Vector3i n = mask.size;
-  std::vector<int> label(mask.inside.size(), -1);
+  std::vector<int> label(mask.values.size(), -1);
   int components = 0;
   for (size_t start = 0; start < label.size(); ++start) {
-    if ((mask.inside[start] != 0) != inside || label[start] >= 0) continue;
+    if ((mask.values[start] != 0) != inside || label[start] >= 0) continue;
     std::vector<size_t> open{start};
     label[start] = components;
     while (!open.empty()) {
@@ -38,7 +38,7 @@ int countComponents(const Mask& mask, bool inside, int reach) {
                 i + x >= n[0] || j + y >= n[1] || k + z >= n[2])
               continue;
             const size_t next = mask.index(i + x, j + y, k + z);
-            if ((mask.inside[next] != 0) != inside || label[next] >= 0) continue;
+            if ((mask.values[next] != 0) != inside || label[next] >= 0) continue;
             label[next] = components;
             open.push_back(next);
           }
@@ -50,7 +50,7 @@ int countComponents(const Mask& mask, bool inside, int reach) {
 
 long eulerOfMarchingCubes(const Mask& mask) {
   ScalarGrid grid(mask.size, Vector3::Zero(), Vector3::Ones());
-  for (size_t i = 0; i < grid.values.size(); ++i) grid.values[i] = mask.inside[i];
+  for (size_t i = 0; i < grid.values.size(); ++i) grid.values[i] = mask.values[i];
   const IsoSurface surface = marchingCubes(grid, 0.5, FaceRule::SeparateInside);
   return surface.vertices.rows() - surface.faces.rows() / 2;
 }
@@ -72,7 +72,7 @@ TEST(DistanceTransform, IsThatOfBruteForce) {
   const Vector3 spacing(1.5, 0.7, 2.2);
   for (const int dimensions : {3, 2}) {
     Mask mask({6, 7, 5});
-    for (auto& x : mask.inside) x = random.uniform() < 0.2;
+    for (auto& x : mask.values) x = random.uniform() < 0.2;
     mask(1, 1, 2) = mask(2, 3, 1) = mask(0, 0, 0) = mask(5, 5, 3) = mask(4, 1, 4) = 1;
     const std::vector<float> found = signedDistance(mask, spacing, dimensions);
     const double half = 0.35;
@@ -169,7 +169,7 @@ TEST(KeepLargestPart, DropsTheOthersAndSaysHowMuch) {
   const DroppedParts dropped = keepLargestPart(mask);
   EXPECT_EQ(dropped.parts, 2);
   EXPECT_EQ(dropped.voxels, 2);
-  EXPECT_EQ(std::count(mask.inside.begin(), mask.inside.end(), 1), 3);
+  EXPECT_EQ(std::count(mask.values.begin(), mask.values.end(), 1), 3);
   EXPECT_EQ(mask(6, 2, 2), 1);
 }
 
@@ -179,7 +179,7 @@ TEST(FillCavities, FillsWhatIsClosedOff) {
   const Mask whole = maskOf(labelsOf(test::ball(6), {15, 15, 15}));
   Mask opened = shell;
   EXPECT_GT(fillCavities(shell), 80);
-  EXPECT_EQ(shell.inside, whole.inside);
+  EXPECT_EQ(shell.values, whole.values);
   for (int k = 7; k < 15; ++k) opened(7, 7, k) = 0;  // a shaft from outside
   EXPECT_EQ(fillCavities(opened), 0);
 }
@@ -190,7 +190,7 @@ TEST(RemoveHandles, LeavesABallAlone) {
   const RemovedHandles removed = removeHandles(mask, depthOf(mask));
   EXPECT_EQ(removed.by, RemovedHandles::By::Nothing);
   EXPECT_EQ(removed.changedVoxels, 0);
-  EXPECT_EQ(mask.inside, before.inside);
+  EXPECT_EQ(mask.values, before.values);
 }
 
 TEST(RemoveHandles, CutsAThinRingAndFillsASmallHole) {
@@ -248,7 +248,7 @@ TEST(RemoveHandles, MakesABallOfAnything) {
     const RemovedHandles removed = removeHandles(mask, depthOf(mask));
     ASSERT_NO_FATAL_FAILURE(expectBalls(mask, 1)) << "seed " << seed;
     long changed = 0;
-    for (size_t i = 0; i < mask.inside.size(); ++i) changed += mask.inside[i] != before.inside[i];
+    for (size_t i = 0; i < mask.values.size(); ++i) changed += mask.values[i] != before.values[i];
     EXPECT_EQ(removed.changedVoxels, changed);
   }
 }
@@ -269,7 +269,7 @@ TEST(MoveBySimplePoints, KeepsTheTopologyAndThinSheets) {
     const Betti before = bettiNumbers(mask);
     test::Random random(seed);
     std::vector<float> values;
-    for (size_t i = 0; i < mask.inside.size(); ++i)
+    for (size_t i = 0; i < mask.values.size(); ++i)
       values.push_back(static_cast<float>(random.normal()));
     moveBySimplePoints(mask, values);
     EXPECT_EQ(bettiNumbers(mask), before);
@@ -278,9 +278,9 @@ TEST(MoveBySimplePoints, KeepsTheTopologyAndThinSheets) {
   Mask sheet = maskOf(
       labelsOf([](const Vector3& x) { return std::fabs(x[2]) < 0.5 && x.head<2>().norm() < 6; },
                {15, 15, 5}));
-  const long before = std::count(sheet.inside.begin(), sheet.inside.end(), 1);
-  moveBySimplePoints(sheet, std::vector<float>(sheet.inside.size(), -1));
-  EXPECT_GT(std::count(sheet.inside.begin(), sheet.inside.end(), 1), before / 2);
+  const long before = std::count(sheet.values.begin(), sheet.values.end(), 1);
+  moveBySimplePoints(sheet, std::vector<float>(sheet.values.size(), -1));
+  EXPECT_GT(std::count(sheet.values.begin(), sheet.values.end(), 1), before / 2);
 }
 
 TEST(DigitalTopology, RefusesMasksThatTouchTheBorder) {

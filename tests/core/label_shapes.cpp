@@ -14,7 +14,7 @@ LabelGrid randomBlobs(unsigned seed, const Eigen::Vector3i& size, double smoothn
   for (int k = 1; k < size[2] - 1; ++k)
     for (int j = 1; j < size[1] - 1; ++j)
       for (int i = 1; i < size[0] - 1; ++i)
-        grid.labels[grid.index(i, j, k)] = (noise(i, j, k) > 0) != (random.uniform() < share);
+        grid.values[grid.index(i, j, k)] = (noise(i, j, k) > 0) != (random.uniform() < share);
   return grid;
 }
 

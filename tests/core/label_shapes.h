@@ -6,9 +6,8 @@
 #include <functional>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/volume/grid.h"
 #include "vcg_ext/volume/label_grid.h"
-#include "vcg_ext/volume/mask.h"
-#include "vcg_ext/volume/scalar_grid.h"
 
 namespace sphere_propagation::test {
 
@@ -20,12 +19,12 @@ inline LabelGrid labelsOf(const std::function<bool(const Vector3&)>& inside,
   grid.toWorld.topLeftCorner<3, 3>() = spacing.asDiagonal();
   grid.toWorld.topRightCorner<3, 1>() =
       -0.5 * (size.cast<double>() - Vector3::Ones()).cwiseProduct(spacing);
-  grid.labels.reserve(grid.index(0, 0, size[2]));
+  grid.values.reserve(grid.voxelCount());
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
       for (int i = 0; i < size[0]; ++i) {
         const Eigen::Vector4d x = grid.toWorld * Eigen::Vector4d(i, j, k, 1);
-        grid.labels.push_back(inside(x.head<3>()) ? 1 : 0);
+        grid.values.push_back(inside(x.head<3>()) ? 1 : 0);
       }
   return grid;
 }
@@ -51,7 +50,7 @@ LabelGrid randomBlobs(unsigned seed, const Eigen::Vector3i& size, double smoothn
 
 inline Mask maskOf(const LabelGrid& grid) {
   Mask mask(grid.size);
-  for (size_t i = 0; i < mask.inside.size(); ++i) mask.inside[i] = grid.labels[i] != 0;
+  for (size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = grid.values[i] != 0;
   return mask;
 }
 

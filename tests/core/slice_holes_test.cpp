@@ -40,10 +40,10 @@ TEST(SliceHoles, AreWhatTheSliceEncloses) {
   const SliceHoles holes(mask);
   EXPECT_TRUE(holes.has(0));
   EXPECT_FALSE(holes.has(1) || holes.has(2));
-  EXPECT_EQ(std::count(holes.holes().inside.begin(), holes.holes().inside.end(), 1), 4);
+  EXPECT_EQ(std::count(holes.holes().values.begin(), holes.holes().values.end(), 1), 4);
   EXPECT_EQ(holes.holes()(2, 2, 0), 1);
-  for (size_t v = 0; v < mask.inside.size(); ++v)
-    EXPECT_EQ(holes.filled().inside[v], mask.inside[v] + holes.holes().inside[v]);
+  for (size_t v = 0; v < mask.values.size(); ++v)
+    EXPECT_EQ(holes.filled().values[v], mask.values[v] + holes.holes().values[v]);
 }
 
 TEST(SliceHoles, NeedNoWallThickerThanADiagonal) {
@@ -55,7 +55,7 @@ TEST(SliceHoles, NeedNoWallThickerThanADiagonal) {
        {std::pair(3, 1), {2, 2}, {4, 2}, {1, 3}, {5, 3}, {2, 4}, {4, 4}, {3, 5}})
     mask(i, j, 0) = 1;
   const SliceHoles holes(mask);
-  EXPECT_EQ(std::count(holes.holes().inside.begin(), holes.holes().inside.end(), 1), 5);
+  EXPECT_EQ(std::count(holes.holes().values.begin(), holes.holes().values.end(), 1), 5);
 }
 
 TEST(SliceHoles, LeadThroughWhereTheyOverlapOrAreClosed) {

@@ -42,7 +42,7 @@ TEST(LabelGrid, ChecksItself) {
   bad.size[2] = 0;
   EXPECT_THROW(bad.check(), VolumeError);
   bad = good;
-  bad.labels.pop_back();
+  bad.values.pop_back();
   EXPECT_THROW(bad.check(), VolumeError);
   bad = good;
   bad.toWorld(1, 3) = std::numeric_limits<double>::quiet_NaN();
@@ -58,7 +58,7 @@ TEST(LabelGrid, ChecksItself) {
 
 TEST(LabelGrid, CountsLabelsAndMeasuresVoxels) {
   LabelGrid grid = labelsOf([](const Vector3&) { return false; }, {2, 2, 2}, {1, 2, 3});
-  grid.labels = {0, 3, 3, 0, 0, -1, 3, 0};
+  grid.values = {0, 3, 3, 0, 0, -1, 3, 0};
   EXPECT_EQ(grid.count(), (std::map<std::int32_t, long>{{-1, 1}, {3, 3}}));
   EXPECT_NEAR(grid.voxelVolume(), 6, 1e-12);
   grid.toWorld.topLeftCorner<3, 3>() = test::randomRotation(1) * grid.toWorld.topLeftCorner<3, 3>();
@@ -192,8 +192,8 @@ TEST(VolumeSurface, InterpolatesMissingSlicesAndCountsThem) {
         labelsOf(cone, {39, 39, static_cast<int>(36 / slice) + 1}, {1, 1, slice});
     LabelGrid gappy = whole;
     const int middle = whole.size[2] / 2;
-    std::fill(gappy.labels.begin() + static_cast<std::ptrdiff_t>(gappy.index(0, 0, middle)),
-              gappy.labels.begin() + static_cast<std::ptrdiff_t>(gappy.index(0, 0, middle + 2)), 0);
+    std::fill(gappy.values.begin() + static_cast<std::ptrdiff_t>(gappy.index(0, 0, middle)),
+              gappy.values.begin() + static_cast<std::ptrdiff_t>(gappy.index(0, 0, middle + 2)), 0);
     const VolumeSurface full = surfaceOf(whole), filled = surfaceOf(gappy);
     requireSphere(filled);
     EXPECT_EQ(full.interpolatedSlices, 0);
@@ -208,7 +208,7 @@ TEST(VolumeSurface, InterpolatesMissingSlicesAndCountsThem) {
 
 TEST(VolumeSurface, BridgesNoGapToASpeck) {
   LabelGrid labels = labelsOf(test::ball(6), {20, 20, 24});
-  labels.labels[labels.index(10, 10, 21)] = 1;
+  labels.values[labels.index(10, 10, 21)] = 1;
   const VolumeSurface surface = surfaceOf(labels);
   EXPECT_EQ(surface.interpolatedSlices, 0);
   EXPECT_EQ(surface.dropped.parts, 1);
@@ -252,7 +252,7 @@ TEST(VolumeSurface, LiesWhereTheMatrixPutsIt) {
   for (int j = 0; j < plain.size[1]; ++j)
     for (int i = 0; i < plain.size[0]; ++i)
       for (int k = 0; k < plain.size[2]; ++k)
-        permuted.labels.push_back(plain.labels[plain.index(i, j, k)]);
+        permuted.values.push_back(plain.values[plain.index(i, j, k)]);
   const VolumeSurface surface = surfaceOf(permuted);
   requireSphere(surface);
   EXPECT_NEAR(surface.volume, reference.volume, 1e-2 * reference.volume);
@@ -314,7 +314,7 @@ TEST(VolumeSurface, UnitesLabels) {
   const VolumeSurface whole = surfaceOf(labels);
   for (int k = 0; k < 10; ++k)
     for (int j = 0; j < 21; ++j)
-      for (int i = 0; i < 21; ++i) labels.labels[labels.index(i, j, k)] *= 7;
+      for (int i = 0; i < 21; ++i) labels.values[labels.index(i, j, k)] *= 7;
   VolumeSurfaceParameters parameters;
   parameters.interpolation.labels = {7, 1};
   EXPECT_EQ(volumeSurface(labels, parameters).vertices, whole.vertices);

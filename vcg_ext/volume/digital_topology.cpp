@@ -32,7 +32,7 @@ class Steps {
 
   Neighbourhood neighbourhood(const Mask& mask, size_t i) const {
     Neighbourhood bits = 0;
-    const std::uint8_t* here = mask.inside.data() + i;
+    const std::uint8_t* here = mask.values.data() + i;
     for (size_t n = 0; n < 27; ++n) bits |= static_cast<Neighbourhood>(here[to_[n]]) << n;
     return bits;
   }
@@ -58,8 +58,8 @@ void forBorder(const Mask& mask, const Visit& visit) {
 }
 
 void requireFreeBorder(const Mask& mask) {
-  bool good = mask.size.minCoeff() > 0 && mask.inside.size() == mask.index(0, 0, mask.size[2]);
-  if (good) forBorder(mask, [&](size_t i) { good = good && mask.inside[i] == 0; });
+  bool good = mask.size.minCoeff() > 0 && mask.values.size() == mask.voxelCount();
+  if (good) forBorder(mask, [&](size_t i) { good = good && mask.values[i] == 0; });
   if (!good)
     throw ParameterError(
         "Topology of a mask: its border must be outside, and it must have voxels.");
@@ -70,15 +70,15 @@ std::vector<std::vector<size_t>> partsOf(const Mask& mask) {
   const Steps steps(mask);
   Mask left = mask;
   std::vector<std::vector<size_t>> parts;
-  for (size_t start = 0; start < left.inside.size(); ++start) {
-    if (left.inside[start] == 0) continue;
+  for (size_t start = 0; start < left.values.size(); ++start) {
+    if (left.values[start] == 0) continue;
     std::vector<size_t> part{start};
-    left.inside[start] = 0;
+    left.values[start] = 0;
     for (size_t at = 0; at < part.size(); ++at)
       for (const std::ptrdiff_t step : steps.faces()) {
         const size_t next = stepped(part[at], step);
-        if (left.inside[next] == 0) continue;
-        left.inside[next] = 0;
+        if (left.values[next] == 0) continue;
+        left.values[next] = 0;
         part.push_back(next);
       }
     parts.push_back(std::move(part));
@@ -127,7 +127,7 @@ class Front {
         order_(order),
         sign_(sign),
         progress_(progress),
-        wanted_(mask.inside.size(), 0) {}
+        wanted_(mask.values.size(), 0) {}
 
   std::vector<std::uint8_t>& wanted() { return wanted_; }
 
@@ -149,7 +149,7 @@ class Front {
       wanted_[i] = 1;
       if (!isSimple(steps_.neighbourhood(mask_, i)))
         continue;  // comes again when something changes round it
-      mask_.inside[i] ^= 1;
+      mask_.values[i] ^= 1;
       wanted_[i] = 0;
       considerAround(i);
       if (++joined % 65536 == 0)
@@ -181,14 +181,14 @@ Mask grown(const Mask& mask, const std::vector<std::vector<size_t>>& parts,
            const std::vector<float>& depth, const Progress& progress) {
   Mask result(mask.size);
   Front front(result, depth, 1, progress);
-  front.wanted() = mask.inside;
+  front.wanted() = mask.values;
   std::vector<size_t> seeds;
   for (const auto& part : parts) {
     size_t seed = part.front();
     for (const size_t i : part)
       if (depth[i] > depth[seed] || (depth[i] == depth[seed] && i < seed)) seed = i;
     seeds.push_back(seed);
-    result.inside[seed] = 1;
+    result.values[seed] = 1;
     front.wanted()[seed] = 0;
   }
   for (const size_t seed : seeds) front.considerAround(seed);
@@ -199,11 +199,11 @@ Mask grown(const Mask& mask, const std::vector<std::vector<size_t>>& parts,
 /// Inwards from the box of all voxels that are not on the border.
 Mask shrunk(const Mask& mask, const std::vector<float>& depth, const Progress& progress) {
   Mask result(mask.size);
-  std::fill(result.inside.begin(), result.inside.end(), std::uint8_t{1});
-  forBorder(result, [&](size_t i) { result.inside[i] = 0; });
+  std::fill(result.values.begin(), result.values.end(), std::uint8_t{1});
+  forBorder(result, [&](size_t i) { result.values[i] = 0; });
   Front front(result, depth, -1, progress);
-  for (size_t i = 0; i < mask.inside.size(); ++i)
-    front.wanted()[i] = result.inside[i] != 0 && mask.inside[i] == 0;
+  for (size_t i = 0; i < mask.values.size(); ++i)
+    front.wanted()[i] = result.values[i] != 0 && mask.values[i] == 0;
   const Eigen::Vector3i n = mask.size;
   for (int k = 1; k < n[2] - 1; ++k)
     for (int j = 1; j < n[1] - 1; ++j) {
@@ -217,7 +217,7 @@ Mask shrunk(const Mask& mask, const std::vector<float>& depth, const Progress& p
 
 long differences(const Mask& a, const Mask& b) {
   long count = 0;
-  for (size_t i = 0; i < a.inside.size(); ++i) count += a.inside[i] != b.inside[i];
+  for (size_t i = 0; i < a.values.size(); ++i) count += a.values[i] != b.values[i];
   return count;
 }
 
@@ -234,7 +234,7 @@ DroppedParts keepLargestPart(Mask& mask) {
     if (part == largest) continue;
     ++dropped.parts;
     dropped.voxels += static_cast<long>(part->size());
-    for (const size_t i : *part) mask.inside[i] = 0;
+    for (const size_t i : *part) mask.values[i] = 0;
   }
   return dropped;
 }
@@ -246,10 +246,10 @@ long fillCavities(Mask& mask) {
   // those are not followed.
   Mask closed = mask;
   std::vector<size_t> open;
-  forBorder(mask, [&](size_t i) { closed.inside[i] = 1; });
+  forBorder(mask, [&](size_t i) { closed.values[i] = 1; });
   const auto visit = [&](size_t i) {
-    if (closed.inside[i] != 0) return;
-    closed.inside[i] = 1;
+    if (closed.values[i] != 0) return;
+    closed.values[i] = 1;
     open.push_back(i);
   };
   const Eigen::Vector3i n = mask.size;
@@ -265,8 +265,8 @@ long fillCavities(Mask& mask) {
     for (const std::ptrdiff_t step : steps.facesAndEdges()) visit(stepped(i, step));
   }
   long filled = 0;
-  for (size_t i = 0; i < mask.inside.size(); ++i)
-    if (closed.inside[i] == 0) mask.inside[i] = 1, ++filled;
+  for (size_t i = 0; i < mask.values.size(); ++i)
+    if (closed.values[i] == 0) mask.values[i] = 1, ++filled;
   return filled;
 }
 
@@ -281,7 +281,7 @@ long surfaceEulerCharacteristic(const Mask& mask) {
              slice = row * static_cast<size_t>(mask.size[1]);
   for (int k = 0; k + 1 < mask.size[2]; ++k)
     for (int j = 0; j + 1 < mask.size[1]; ++j) {
-      const std::uint8_t* a = mask.inside.data() + mask.index(0, j, k);
+      const std::uint8_t* a = mask.values.data() + mask.index(0, j, k);
       const auto column = [&](size_t i) {  // the four corners of a cell at one x, on the even bits
         return static_cast<unsigned>(a[i] | a[i + row] << 2 | a[i + slice] << 4 |
                                      a[i + row + slice] << 6);
@@ -337,7 +337,7 @@ void moveBySimplePoints(Mask& mask, const std::vector<float>& values) {
     for (int j = 1; j < n[1] - 1; ++j)
       for (int i = 1; i < n[0] - 1; ++i) {
         const size_t v = mask.index(i, j, k);
-        if ((values[v] > 0) != (mask.inside[v] != 0) && isSimple(steps.neighbourhood(mask, v)))
+        if ((values[v] > 0) != (mask.values[v] != 0) && isSimple(steps.neighbourhood(mask, v)))
           wrong.emplace_back(-std::fabs(values[v]), v);
       }
   std::sort(wrong.begin(), wrong.end());
@@ -346,7 +346,7 @@ void moveBySimplePoints(Mask& mask, const std::vector<float>& values) {
     size_t left = 0;
     for (const auto& voxel : wrong) {
       if (isSimple(steps.neighbourhood(mask, voxel.second)))
-        mask.inside[voxel.second] ^= 1;
+        mask.values[voxel.second] ^= 1;
       else
         wrong[left++] = voxel;
     }

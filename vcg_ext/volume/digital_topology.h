@@ -7,7 +7,7 @@
 /// throws ParameterError for another.
 
 #include "vcg_ext/base/progress.h"
-#include "vcg_ext/volume/mask.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 

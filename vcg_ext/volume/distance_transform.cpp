@@ -55,9 +55,9 @@ class LineTransform {
 /// Squared distance to the nearest voxel of the kind `feature`.
 std::vector<float> squaredDistance(const Mask& mask, const Vector3& spacing, int dimensions,
                                    bool feature) {
-  std::vector<float> distance(mask.inside.size());
+  std::vector<float> distance(mask.values.size());
   for (size_t i = 0; i < distance.size(); ++i)
-    distance[i] = (mask.inside[i] != 0) == feature ? 0.0F : infinity;
+    distance[i] = (mask.values[i] != 0) == feature ? 0.0F : infinity;
   size_t stride = 1;
   for (int axis = 0; axis < dimensions; ++axis) {
     const auto n = static_cast<size_t>(mask.size[axis]);
@@ -78,7 +78,7 @@ std::vector<float> signedDistance(const Mask& mask, const Vector3& spacing, int 
   const std::vector<float> toOutside = squaredDistance(mask, spacing, dimensions, false);
   for (size_t i = 0; i < toInside.size(); ++i)
     toInside[i] =
-        mask.inside[i] != 0 ? std::sqrt(toOutside[i]) - half : half - std::sqrt(toInside[i]);
+        mask.values[i] != 0 ? std::sqrt(toOutside[i]) - half : half - std::sqrt(toInside[i]);
   return toInside;
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 /// How far the voxels of a binary image are from its border.
 
-#include "vcg_ext/volume/mask.h"
-#include "vcg_ext/volume/scalar_grid.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 

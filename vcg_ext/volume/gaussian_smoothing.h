@@ -2,7 +2,7 @@
 #pragma once
 /// Smoothing of scalar images.
 
-#include "vcg_ext/volume/scalar_grid.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 

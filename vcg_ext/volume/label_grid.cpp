@@ -18,8 +18,8 @@ void LabelGrid::check() const {
   if (size.minCoeff() < 1) {
     text << "The label volume has no voxels: its size is " << size[0] << " x " << size[1] << " x "
          << size[2] << ".";
-  } else if (labels.size() != index(0, 0, size[2])) {
-    text << "The label volume has " << labels.size() << " labels for " << index(0, 0, size[2])
+  } else if (values.size() != voxelCount()) {
+    text << "The label volume has " << values.size() << " labels for " << voxelCount()
          << " voxels.";
   } else if (!toWorld.allFinite()) {
     text << "The label volume's position in space is not finite: its affine matrix holds NaN or "
@@ -38,10 +38,10 @@ void LabelGrid::check() const {
 
 std::map<std::int32_t, long> LabelGrid::count() const {
   std::map<std::int32_t, long> counts;
-  for (size_t i = 0; i < labels.size();) {  // labels come in runs
+  for (size_t i = 0; i < values.size();) {  // labels come in runs
     size_t end = i + 1;
-    while (end < labels.size() && labels[end] == labels[i]) ++end;
-    if (labels[i] != 0) counts[labels[i]] += static_cast<long>(end - i);
+    while (end < values.size() && values[end] == values[i]) ++end;
+    if (values[i] != 0) counts[values[i]] += static_cast<long>(end - i);
     i = end;
   }
   return counts;

@@ -2,26 +2,18 @@
 #pragma once
 /// A label volume of one phase, as it lies in space.
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
-#include <vector>
 
-#include "vcg_ext/base/matrices.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 
-struct LabelGrid {
-  Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< voxels along i, j, k
-  Eigen::Matrix4d toWorld =
-      Eigen::Matrix4d::Identity();   ///< (i, j, k, 1), the centre of a voxel, to mm; any affine map
-  std::vector<std::int32_t> labels;  ///< size.prod() values, i fastest, k slowest
+/// The label of each voxel; 0 is the background.
+struct LabelGrid : Grid<std::int32_t> {
+  /// (i, j, k, 1), the centre of a voxel, to mm; any affine map.
+  Eigen::Matrix4d toWorld = Eigen::Matrix4d::Identity();
 
-  size_t index(int i, int j, int k) const {
-    return (static_cast<size_t>(k) * static_cast<size_t>(size[1]) + static_cast<size_t>(j)) *
-               static_cast<size_t>(size[0]) +
-           static_cast<size_t>(i);
-  }
   /// Distances between neighbouring voxels along i, j, k, mm.
   Vector3 spacing() const { return toWorld.topLeftCorner<3, 3>().colwise().norm().transpose(); }
   /// mm^3.

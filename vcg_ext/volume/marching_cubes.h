@@ -4,7 +4,7 @@
 /// the image.
 
 #include "vcg_ext/base/matrices.h"
-#include "vcg_ext/volume/scalar_grid.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 

@@ -12,7 +12,7 @@ constexpr double minCover = 0.5, maxOpening = 0.1;
 }  // namespace
 
 SliceHoles::SliceHoles(const Mask& mask)
-    : holes_(mask.size), filled_(mask), component_(mask.inside.size(), -1) {
+    : holes_(mask.size), filled_(mask), component_(mask.values.size(), -1) {
   const int nx = mask.size[0], ny = mask.size[1];
   const size_t plane = mask.index(0, 0, 1);
   std::vector<size_t> open;
@@ -23,7 +23,7 @@ SliceHoles::SliceHoles(const Mask& mask)
     constexpr int outside = -2;
     for (size_t start = plane * static_cast<size_t>(k);
          start < plane * (static_cast<size_t>(k) + 1); ++start) {
-      if (mask.inside[start] != 0 || component_[start] != -1) continue;
+      if (mask.values[start] != 0 || component_[start] != -1) continue;
       const bool first = start == plane * static_cast<size_t>(k);
       const int number = first ? outside : static_cast<int>(sizes.size());
       long size = 0;
@@ -36,7 +36,7 @@ SliceHoles::SliceHoles(const Mask& mask)
         const auto i = static_cast<int>(at % static_cast<size_t>(nx));
         const auto j = static_cast<int>(at / static_cast<size_t>(nx) % static_cast<size_t>(ny));
         const auto visit = [&](bool there, size_t next) {
-          if (!there || mask.inside[next] != 0 || component_[next] != -1) return;
+          if (!there || mask.values[next] != 0 || component_[next] != -1) return;
           component_[next] = number;
           open.push_back(next);
         };
@@ -51,9 +51,9 @@ SliceHoles::SliceHoles(const Mask& mask)
   }
   for (size_t v = 0; v < component_.size(); ++v) {
     component_[v] = std::max(component_[v], -1);
-    if (component_[v] >= 0) holes_.inside[v] = filled_.inside[v] = 1;
+    if (component_[v] >= 0) holes_.values[v] = filled_.values[v] = 1;
   }
-  for (auto slice = filled_.inside.begin(); slice != filled_.inside.end();
+  for (auto slice = filled_.values.begin(); slice != filled_.values.end();
        slice += static_cast<std::ptrdiff_t>(plane))
     filledSizes_.push_back(
         std::count(slice, slice + static_cast<std::ptrdiff_t>(plane), std::uint8_t{1}));
@@ -74,8 +74,8 @@ long SliceHoles::opened(int from, int to) const {
   for (size_t v = 0; v < plane; ++v) {
     if (component_[a + v] < 0) continue;
     const auto hole = static_cast<size_t>(component_[a + v]);
-    if (holes_.inside[b + v] != 0) continued[hole] = 1;
-    covered[hole] += filled_.inside[b + v];
+    if (holes_.values[b + v] != 0) continued[hole] = 1;
+    covered[hole] += filled_.values[b + v];
   }
   long area = 0;
   for (size_t hole = 0; hole < sizes.size(); ++hole) {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "vcg_ext/volume/mask.h"
+#include "vcg_ext/volume/grid.h"
 
 namespace sphere_propagation {
 

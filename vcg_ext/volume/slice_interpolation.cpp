@@ -74,7 +74,7 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
   Stack stack;
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j) {
-      const std::int32_t* row = grid.labels.data() + grid.index(0, j, k);
+      const std::int32_t* row = grid.values.data() + grid.index(0, j, k);
       for (int i = 0; i < grid.size[0]; ++i) {
         if (!inside(row[i])) continue;
         ++stack.voxels;
@@ -112,7 +112,7 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
   for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
     for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
       for (at[0] = low[0]; at[0] <= high[0]; ++at[0])
-        if (inside(grid.labels[grid.index(at[0], at[1], at[2])]))
+        if (inside(grid.values[grid.index(at[0], at[1], at[2])]))
           stack.mask(at[axes[0]] - stack.first[0], at[axes[1]] - stack.first[1],
                      at[axes[2]] - stack.first[2]) = 1;
   return stack;
@@ -133,7 +133,7 @@ Slices slicesOf(const Mask& mask, int longestGap, double minShare) {
   long before = 0;
   const size_t slice = mask.index(0, 0, 1);
   for (int k = 0; k < mask.size[2]; ++k) {
-    const auto begin = mask.inside.begin() + static_cast<std::ptrdiff_t>(slice) * k;
+    const auto begin = mask.values.begin() + static_cast<std::ptrdiff_t>(slice) * k;
     const long count =
         std::count(begin, begin + static_cast<std::ptrdiff_t>(slice), std::uint8_t{1});
     if (count == 0) continue;
@@ -221,7 +221,7 @@ ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eig
     throw ParameterError(text.str());
   }
   grid.size = size.cast<int>();
-  grid.values.resize(grid.index(0, 0, grid.size[2]));
+  grid.values.resize(grid.voxelCount());
   return grid;
 }
 
@@ -376,7 +376,7 @@ void fillGaps(Stack& stack, const Slices& slices) {
         for (size_t i = 0; i < plane; ++i) {
           const float a = distance[plane * static_cast<size_t>(run.used[u]) + i];
           const float b = distance[plane * static_cast<size_t>(run.used[u + 1]) + i];
-          stack.mask.inside[plane * static_cast<size_t>(k) + i] = a + t * (b - a) > 0;
+          stack.mask.values[plane * static_cast<size_t>(k) + i] = a + t * (b - a) > 0;
         }
       }
 }

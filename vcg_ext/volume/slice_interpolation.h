@@ -2,8 +2,8 @@
 #pragma once
 /// From labels on any grid to a signed distance on a grid of cubes.
 
+#include "vcg_ext/volume/grid.h"
 #include "vcg_ext/volume/label_grid.h"
-#include "vcg_ext/volume/scalar_grid.h"
 
 namespace sphere_propagation {
 

@@ -82,20 +82,20 @@ void restoreVolume(Points& vertices, const Triangles& faces, double volume, doub
 void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviation) {
   const auto unit = static_cast<float>(h);
   for (size_t i = 0; i < grid.values.size(); ++i) {
-    const bool in = mask.inside[i] != 0;
+    const bool in = mask.values[i] != 0;
     float& d = grid.values[i];
     if ((d > 0) != in) d = in ? corrected * unit : -corrected * unit;
     d = std::clamp(d, -band * unit, band * unit);
   }
   if (standardDeviation > 0) {
-    const long inside = std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1});
+    const long inside = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
     smoothGaussian(grid, standardDeviation);
     const float level = levelWith(grid.values, inside, static_cast<float>(maxShift) * unit);
     for (float& d : grid.values) d -= level;
     moveBySimplePoints(mask, grid.values);
   }
   for (size_t i = 0; i < grid.values.size(); ++i) {
-    const bool in = mask.inside[i] != 0;
+    const bool in = mask.values[i] != 0;
     float& d = grid.values[i];
     if ((d > 0) != in)
       d = in ? held * unit : -held * unit;
@@ -120,8 +120,8 @@ VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParamete
   result.voxelSize = h;
   result.interpolatedSlices = field.interpolatedSlices;
   Mask mask(grid.size);
-  for (size_t i = 0; i < mask.inside.size(); ++i) mask.inside[i] = grid.values[i] > 0;
-  result.workingVoxels = std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1});
+  for (size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = grid.values[i] > 0;
+  result.workingVoxels = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
   if (result.workingVoxels == 0)
     throw VolumeError("The label is so thin that no working voxel of " + std::to_string(h) +
                       " mm lies inside: choose a smaller voxel_size.");
@@ -132,8 +132,8 @@ VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParamete
 
   std::vector<float> signedDistances = grid.values;
   for (size_t i = 0; i < signedDistances.size(); ++i)
-    if ((signedDistances[i] > 0) != (mask.inside[i] != 0))
-      signedDistances[i] = static_cast<float>(mask.inside[i] != 0 ? h : -h);
+    if ((signedDistances[i] > 0) != (mask.values[i] != 0))
+      signedDistances[i] = static_cast<float>(mask.values[i] != 0 ? h : -h);
   const double volume = volumeOf(signedDistances, h);
   signedDistances = {};
   smoothField(grid, mask, h, parameters.smoothing);
