@@ -10,7 +10,7 @@
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
-#include "vcg_ext/display/landmark_colors.h"
+#include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // What the files mean is tested from Python, by readers of other people; here the writing itself.
 
-#include "vcg_ext/model/model_export.h"
+#include "vcg_ext/model/export/model_export.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 
 #include "tests/core/test_shapes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/model/model_formats.h"
+#include "vcg_ext/model/export/formats.h"
 
 namespace sphere_propagation {
 namespace {

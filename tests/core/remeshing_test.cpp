@@ -8,7 +8,7 @@
 
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/display/landmark_colors.h"
+#include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
 #include "vcg_ext/root_map/root_map.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
-// Names in comments are those of the specification. All addresses count from the begin of the file;
-// every structure begins at a multiple of 8.
+// Names in comments are those of the specification. All addresses count from the beginning of the
+// file; every structure begins at a multiple of 8.
 
 #include <algorithm>
 #include <cassert>
@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "vcg_ext/model/hdf5_tree.h"
-#include "vcg_ext/model/little_endian.h"
+#include "vcg_ext/model/export/bytes.h"
+#include "vcg_ext/model/export/hdf5.h"
 
 namespace sphere_propagation {
 namespace {
@@ -17,34 +17,9 @@ namespace {
 using Address = std::uint64_t;
 
 constexpr Address undefined = ~Address{0};
-constexpr int leafK = 4,
-              internalK =
-                  16;  // a symbol table node holds 2 leafK entries, a B-tree node 2 internalK
+/// A symbol table node holds 2 leafK entries, a B-tree node 2 internalK.
+constexpr int leafK = 4, internalK = 16;
 constexpr size_t superblockSize = 96;
-
-/// A string that numbers are appended to.
-class Bytes {
- public:
-  Bytes& put(std::uint64_t value, int count) {
-    appendLittleEndian(bytes_, value, count);
-    return *this;
-  }
-  Bytes& put(const std::string& text) {
-    bytes_ += text;
-    return *this;
-  }
-  /// Zeros up to a length, or to the next multiple of 8.
-  Bytes& fill(size_t length) {
-    bytes_.resize(std::max(length, bytes_.size()), '\0');
-    return *this;
-  }
-  Bytes& align() { return fill((bytes_.size() + 7) / 8 * 8); }
-  size_t size() const { return bytes_.size(); }
-  const std::string& str() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
 
 std::string aligned(std::string text) {
   text.resize((text.size() + 7) / 8 * 8, '\0');
@@ -170,12 +145,10 @@ class File {
   Address add(const Hdf5Data& data) {
     const std::string raw = rawData(data);
     const Address at = raw.empty() ? undefined : append(raw);
+    const std::string defaultFill = Bytes().put(2, 1).put(2, 1).put(2, 1).put(1, 1).put(0, 4).str();
     return append(objectHeader(
         {message(0x0001, dataspace(data.extents)),
-         message(0x0003, data.integers ? integerType() : floatType()),
-         message(0x0005,
-                 Bytes().put(2, 1).put(2, 1).put(2, 1).put(1, 1).put(0, 4).str()),  // fill value:
-                                                                                    // the default
+         message(0x0003, data.integers ? integerType() : floatType()), message(0x0005, defaultFill),
          message(0x0008, Bytes().put(3, 1).put(1, 1).put(at, 8).put(raw.size(), 8).str())}));
   }
 

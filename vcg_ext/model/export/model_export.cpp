@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/model/model_export.h"
+#include "vcg_ext/model/export/model_export.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/model/model_formats.h"
+#include "vcg_ext/model/export/formats.h"
 
 namespace sphere_propagation {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/display/displacement_colors.h"
+#include "vcg_ext/display/colors.h"
 
 #include <gtest/gtest.h>
 

@@ -17,12 +17,16 @@ std::string modelFileEndings();
 void requireExportable(const std::string& path);
 
 /// Writes the model; the ending (in any case) chooses the format:
-///   .npz        NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M (doubles), faces F
-///   x 3 (ints) .h5         statismo's layout as HDF5, 32-bit floats: for statismo, scalismo and
-///   whatever reads HDF5 .json       the same as HDF5/JSON, which scalismo reads .particles
-///   ShapeWorks: the mean, and beside it one file per shape, NAME_000.particles and so on, as
-///   aligned .ply        the mean, with the modes as vertex properties mode_1_x, mode_1_y,
-///   mode_1_z, ... .csv        the scores, one row per shape
+///
+/// - .npz: NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M (doubles), faces F x 3
+///   (ints)
+/// - .h5: statismo's layout as HDF5, 32-bit floats: for statismo, scalismo and whatever reads HDF5
+/// - .json: the same as HDF5/JSON, which scalismo reads
+/// - .particles: ShapeWorks: the mean, and beside it one file per shape, NAME_000.particles and so
+///   on, as aligned
+/// - .ply: the mean, with the modes as vertex properties mode_1_x, mode_1_y, mode_1_z, ...
+/// - .csv: the scores, one row per shape
+///
 /// Numbers have 17 digits where they are text. A file that is there already is replaced only when
 /// the new one is complete.
 ///

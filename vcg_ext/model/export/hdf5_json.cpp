@@ -2,7 +2,7 @@
 // Groups and data sets stand side by side under their ids, and are linked from their groups.
 
 #include "vcg_ext/base/text.h"
-#include "vcg_ext/model/hdf5_tree.h"
+#include "vcg_ext/model/export/hdf5.h"
 
 namespace sphere_propagation {
 namespace {

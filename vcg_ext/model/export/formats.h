@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The content of the files of model_export.h, one function (and source) per format. Nothing here
-/// touches a disk.
+/// The content of the files of model_export.h, one function per format. Nothing here touches a
+/// disk.
 
 #include <string>
 

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "vcg_ext/model/hdf5_tree.h"
-#include "vcg_ext/model/model_formats.h"
+#include "vcg_ext/model/export/formats.h"
+#include "vcg_ext/model/export/hdf5.h"
 
 namespace sphere_propagation {
 namespace {
