@@ -20,14 +20,73 @@
 namespace sphere_propagation {
 namespace {
 
-/// Of the coarse levels, whose triangles say little about the surface's.
-constexpr ShapeTrust coarseTrust{0.1, 0.02};
-/// All vertices are moved each time when there are so many times as many as the last time.
-constexpr double levelRatio = 2;
-/// Few vertices cost nothing, and what goes wrong among them takes long to mend later: below this
-/// number all vertices are moved more often, and local steps go first.
-constexpr int coarse = 200;
-constexpr double coarseRatio = 1.3;
+/// What is done on which level. Chosen by the figures and times of scripts/measure-root-map.
+struct HierarchySchedule {
+  // Levels: how many vertices are there when all of them are moved.
+  int firstLevel = 6;
+  /// The next level has so many times as many vertices as the last.
+  double levelRatio = 2;
+  /// Few vertices cost nothing, and what goes wrong among them takes long to mend later: below this
+  /// number all vertices are moved more often, and local steps go first.
+  int coarse = 200;
+  double coarseRatio = 1.3;
+  int medium = 10 * coarse;  ///< below this number there are more steps than above
+
+  // Global steps on a level, at most.
+  int coarseSteps = 30;
+  int mediumSteps = 10;
+  int fineSteps = 3;
+  /// A step that leaves this share of the energy ends a level: what is left moves more cheaply
+  /// later.
+  double levelEnd = 0.985;
+
+  // Energy on a level.
+  /// Coarse triangles say little about the surface's: those of equilateral ones count for more.
+  ShapeTrust coarseTrust{0.1, 0.02};
+  /// Weight of the shape term beside an area term of 1, up to `manyVertices`; then it falls with
+  /// this power of their number: the finer the level, the less has to be moved, and the less the
+  /// shapes need to be minded.
+  double shape = 0.05;
+  double manyVertices = 1000;
+  double shapePower = 0.7;
+
+  // Placing vertices that come back.
+  int stepsOfNewVertex = 3;  ///< local ones, while its neighbours stand still
+  /// So often, where a kernel is empty. Each time the shapes count this many times as much.
+  int attempts = 4;
+  double shapeGain = 10;
+
+  // The last level.
+  /// Of larger meshes more would cost much and be seen in the figures alone.
+  int large = 100000;
+  /// The first stage has this share of the weight that the shapes would have on such a level: the
+  /// areas are all but home.
+  double firstShape = 0.5;
+  double onTheWay = 0.96, atTheEnd = 0.998, atTheEndOfLarge = 0.985;  ///< see AreaSchedule
+  int iterations = 100, iterationsOfLarge = 60;                       ///< see AreaSchedule
+  /// Where shapes count much, their minimum lies far above 0: what a step gains looks small.
+  double atTheEndOfShapes = 0.9997;
+
+  // Once more as from any other start, where the areas are not home: it costs ten times the rest.
+  int rounds = 3;
+  /// Mean squared logarithm of the area ratio that is good enough; again only where much is left.
+  double good = 1e-3, goodAgain = 5e-3;
+  double roundsEnd = 0.8;  ///< a round that leaves this share of the energy is the last
+
+  // Shares of the time, for the progress.
+  double simplified = 0.12, allBack = 0.48, minimised = 0.7;
+
+  int stepsOn(int vertices) const {
+    return vertices < coarse ? coarseSteps : vertices < medium ? mediumSteps : fineSteps;
+  }
+  double nextLevel(int vertices) const {
+    return (vertices < coarse ? coarseRatio : levelRatio) * vertices;
+  }
+  double shapeOn(int vertices) const {
+    return shape * std::min(1.0, std::pow(manyVertices / vertices, shapePower));
+  }
+};
+constexpr HierarchySchedule schedule;
 
 class Refinement {
  public:
@@ -39,27 +98,26 @@ class Refinement {
   }
 
   HierarchicalResult run(const Progress& progress) {
-    const std::vector<int> rounds = simplify(*mesh_, pool_, part(progress, 0, 0.12));
+    const std::vector<int> rounds = simplify(*mesh_, pool_, part(progress, 0, schedule.simplified));
     layTetrahedron();
-    double next = 6;
+    const Progress refining = part(progress, schedule.simplified, schedule.allBack);
+    double next = schedule.firstLevel;
     for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
       bringBack(*round);
       const int n = mesh_->vertexCount();
       if (n >= next && n < mesh_->allVertices()) {
-        improve(weightsAt(n), n < coarse ? 30 : n < 10 * coarse ? 10 : 3);
-        next = (n < coarse ? coarseRatio : levelRatio) * n;
-        report(progress, 0.12 + 0.36 * n / mesh_->allVertices());
+        improve(weightsAt(n), schedule.stepsOn(n));
+        next = schedule.nextLevel(n);
+        report(refining, static_cast<double>(n) / mesh_->allVertices());
       }
     }
-    finish(part(progress, 0.48, 1));
+    finish(part(progress, schedule.allBack, 1));
     return std::move(result_);
   }
 
  private:
   AreaEnergyWeights weightsAt(int vertices) const {
-    // The finer the level, the less has to be moved, and the less the shapes need to be minded.
-    const double shape = 0.05 * std::min(1.0, std::pow(1000.0 / vertices, 0.7));
-    return {1, std::max(shape, final_.area > 0 ? final_.shape : 0)};
+    return {1, std::max(schedule.shapeOn(vertices), final_.area > 0 ? final_.shape : 0)};
   }
 
   void layTetrahedron() {
@@ -80,7 +138,7 @@ class Refinement {
       star.targets.emplace_back(
           4 * pi * mesh_->area(h) / totalArea_, mean,
           faceStiffness({mesh_->point(v), mesh_->point(w), mesh_->point(mesh_->target(next))},
-                        coarseTrust));
+                        schedule.coarseTrust));
       h = next;
     } while (h != first);
   }
@@ -89,7 +147,6 @@ class Refinement {
   void bringBack(int count) {
     std::vector<int> halfEdges, back;
     std::vector<char> lost;
-    constexpr int attempts = 4;
     for (int attempt = 1;; ++attempt) {
       back.clear();
       halfEdges.clear();
@@ -100,10 +157,10 @@ class Refinement {
       placeAll(back, lost);
       const auto found = std::find(lost.begin(), lost.end(), 1);
       if (found == lost.end()) {
-        if (attempt > 1) improve(weightsAt(mesh_->vertexCount()), 30);
+        if (attempt > 1) improve(weightsAt(mesh_->vertexCount()), schedule.coarseSteps);
         return;
       }
-      if (attempt == attempts) {
+      if (attempt == schedule.attempts) {
         const int v = order_[back[static_cast<size_t>(found - lost.begin())]];
         throw MapError(std::count(lost.begin(), lost.end(), 1), surface_.outgoing(v)[0] / 3,
                        "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " +
@@ -112,7 +169,7 @@ class Refinement {
       // Some kernel is empty up to rounding: the faces there are slivers. Without these vertices
       // again, faces get better shapes at the cost of their areas, which come home afterwards.
       for (auto h = halfEdges.rbegin(); h != halfEdges.rend(); ++h) mesh_->collapse(*h);
-      improve({1, std::pow(10.0, attempt - 1)}, 30);
+      improve({1, std::pow(schedule.shapeGain, attempt - 1)}, schedule.coarseSteps);
     }
   }
 
@@ -132,7 +189,7 @@ class Refinement {
           lost[i] = 1;
           continue;
         }
-        relaxVertex(star, weights, 3, x);
+        relaxVertex(star, weights, schedule.stepsOfNewVertex, x);
         positions_.row(v) = x.transpose();
       }
     });
@@ -164,7 +221,7 @@ class Refinement {
             4 * pi * mesh_->area(h) / totalArea_, mean,
             faceStiffness({mesh_->point(mesh_->origin(h)), mesh_->point(mesh_->origin(h + 1)),
                            mesh_->point(mesh_->origin(h + 2))},
-                          coarseTrust)};
+                          schedule.coarseTrust)};
       }
     });
     AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
@@ -176,14 +233,14 @@ class Refinement {
     double energy = minimiser.energy(step.weights, positions);
     for (int i = 0; i < steps; ++i) {
       const double before = energy;
-      if (n < coarse) {
+      if (n < schedule.coarse) {
         sweep(vertices, step.weights);
         take();
         energy = minimiser.energy(step.weights, positions);
       }
       energy *= minimiser.step(step, positions);
       for (int j = 0; j < n; ++j) positions_.row(vertices[j]) = positions.row(j);
-      if (energy > 0.985 * before) break;
+      if (energy > schedule.levelEnd * before) break;
     }
     ++result_.levels;
   }
@@ -192,18 +249,17 @@ class Refinement {
     std::vector<int> vertices, faceOf;
     FaceRings rings = mesh_->rings(vertices, faceOf);
     std::vector<FaceTarget> targets = faceTargets(mesh_->points(), rings.faces);
-    // Of large meshes more would cost much and be seen in the figures alone.
-    const bool isLarge = mesh_->allVertices() > 100000;
-    AreaSchedule schedule{0.5 * weightsAt(mesh_->allVertices()).shape, 0.96,
-                          isLarge ? 0.985 : 0.998, isLarge ? 60 : 100};
-    // Shapes have a minimum far above 0: what a step gains looks small beside it.
-    if (final_.area == 0 || (final_.shape > schedule.firstShape && !isLarge))
-      schedule.atTheEnd = 0.9997;
+    const bool isLarge = mesh_->allVertices() > schedule.large;
+    AreaSchedule stages{schedule.firstShape * weightsAt(mesh_->allVertices()).shape,
+                        schedule.onTheWay, isLarge ? schedule.atTheEndOfLarge : schedule.atTheEnd,
+                        isLarge ? schedule.iterationsOfLarge : schedule.iterations};
+    if (final_.area == 0 || (final_.shape > stages.firstShape && !isLarge))
+      stages.atTheEnd = schedule.atTheEndOfShapes;
     mesh_.reset();
     AreaMinimiser minimiser(std::move(rings), std::move(targets), &pool_);
-    result_.steps =
-        minimiseInStages(minimiser, final_, positions_, part(progress, 0, 0.7), schedule);
-    bringHome(minimiser, part(progress, 0.7, 1));
+    result_.steps = minimiseInStages(minimiser, final_, positions_,
+                                     part(progress, 0, schedule.minimised), stages);
+    bringHome(minimiser, part(progress, schedule.minimised, 1));
     ++result_.levels;
     turnToSurface();
   }
@@ -211,24 +267,21 @@ class Refinement {
   /// Where limbs are long, a few faces that span far too much may hold up the rest: then as from
   /// any other start.
   void bringHome(AreaMinimiser& minimiser, const Progress& progress) {
-    constexpr int rounds = 3;
     const double whole = 4 * pi;
-    for (int i = 0; i < rounds && final_.area > 0; ++i) {
-      // Mean squared logarithm of the area ratio; shapes that count as much as areas keep these
-      // from home, too.
-      const double good =
-          i == 0 ? 1e-3 : 5e-3;  // once more only where much is left: it costs ten times the rest
+    for (int i = 0; i < schedule.rounds && final_.area > 0; ++i) {
+      // Shapes that count as much as areas keep these from home, too.
+      const double good = i == 0 ? schedule.good : schedule.goodAgain;
       if (minimiser.energy({1, 0}, positions_) < whole * std::max(good, final_.shape)) return;
       Points moved = positions_;
-      const int steps =
-          minimiseInStages(minimiser, final_, moved,
-                           part(progress, static_cast<double>(i) / rounds, (i + 1.0) / rounds));
+      const int steps = minimiseInStages(
+          minimiser, final_, moved,
+          part(progress, static_cast<double>(i) / schedule.rounds, (i + 1.0) / schedule.rounds));
       const double before = minimiser.energy(final_, positions_),
                    after = minimiser.energy(final_, moved);
       if (after >= before) return;
       positions_.swap(moved);
       result_.steps += steps;
-      if (after > 0.8 * before) return;
+      if (after > schedule.roundsEnd * before) return;
     }
   }
 
