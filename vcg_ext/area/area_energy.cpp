@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/mesh/usable_extent.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr double minArea = 1e-5;  // of the mean face area
 constexpr double equilateralCotangent = 0.57735026918962576;
 
 }  // namespace
@@ -31,7 +31,7 @@ std::array<float, 3> faceStiffness(const std::array<Vector3, 3>& p, const ShapeT
 std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& faces,
                                     const ShapeTrust& trust) {
   Eigen::VectorXd areas = faceAreas(vertices, faces);
-  areas = areas.cwiseMax(minArea * areas.mean());
+  areas = areas.cwiseMax(minFaceShare * areas.mean());
   areas *= 4 * pi / areas.sum();
   const double mean = areas.mean();
   // Neither tiny nor huge coordinates shall leave the range of numbers.

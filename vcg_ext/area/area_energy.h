@@ -60,8 +60,8 @@ struct ShapeTrust {
 };
 
 /// Targets of all faces of a mesh. vertices: #V by 3; faces: #F by 3; the total area must be
-/// positive. Faces smaller than 1e-5 of the mean count as that large, so that a face without area
-/// keeps a place on the sphere.
+/// positive. Faces smaller than minFaceShare of the mean count as that large, so that a face
+/// without area keeps a place on the sphere.
 std::vector<FaceTarget> faceTargets(const Points& vertices, const Triangles& faces,
                                     const ShapeTrust& trust = {});
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "vcg_ext/area/area_preserving_map.h"
 #include "vcg_ext/area/area_schedule.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/rotation.h"
@@ -16,10 +17,6 @@
 
 namespace sphere_propagation {
 namespace {
-
-/// Weight of the shape term in the end, beside an area term of 1: that of the default
-/// area-preserving map.
-constexpr double shapeWeight = 0.02 / 81;
 
 /// The areas between those of the map and those of the surface, with the shapes of the map's faces.
 std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Points& positions,
@@ -44,8 +41,7 @@ std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Point
 
 }  // namespace
 
-MappedSurface restoreArea(const MappedSurface& map, double amount,
-                      const Progress& progress) {
+MappedSurface restoreArea(const MappedSurface& map, double amount, const Progress& progress) {
   if (!(amount >= 0 && amount <= 1))
     throw ParameterError("The area restoration must lie between 0 and 1; it is " +
                          std::to_string(amount) + ".");
@@ -53,7 +49,8 @@ MappedSurface restoreArea(const MappedSurface& map, double amount,
   const ClosedSurface& surface = map.surface();
   AreaMinimiser minimiser(surface, targetsBetween(surface, map.positions(), amount));
   Points positions = map.positions();
-  minimiseInStages(minimiser, {1, shapeWeight}, positions, progress);
+  const AreaEnergyWeights weights = energyWeights(AreaPreservingParameters{}.areaWeight);
+  minimiseInStages(minimiser, weights, positions, progress);
   const Eigen::Matrix3d covariance = map.positions().transpose() *
                                      vertexAreas(surface.vertices(), surface.faces()).asDiagonal() *
                                      positions;

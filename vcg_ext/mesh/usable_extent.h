@@ -17,6 +17,11 @@ constexpr double maxCoordinate = 1e50, minExtent = 1e-50;
 /// float matrices that flatten leave about 1e-7.
 constexpr double minThickness = 1e-6;
 
+/// The smallest share of the mean area that makes the area of a face something to aim at: below it
+/// are slivers, whose areas are rounding. Where areas must be reached or are divided by, such faces
+/// count as that large or not at all.
+constexpr double minFaceShare = 1e-5;
+
 /// Throws SurfaceError (Flat, CoordinateRange), which names the surface and says what to do.
 void requireUsableExtent(const ClosedSurface& surface);
 

@@ -5,21 +5,16 @@
 #include <cmath>
 
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/sphere/spherical_triangle.h"
 
 namespace sphere_propagation {
-namespace {
-
-constexpr double minArea = 1e-5;  // of the mean face area
-
-}  // namespace
-
 Eigen::VectorXd areaRatios(const ClosedSurface& surface, const Points& positions) {
   const Eigen::VectorXd areas = faceAreas(surface.vertices(), surface.faces());
   const double total = areas.sum();
   Eigen::VectorXd ratios = Eigen::VectorXd::Ones(areas.size());
   for (int f = 0; f < surface.faceCount(); ++f) {
-    if (areas[f] <= minArea * total / static_cast<double>(areas.size())) continue;
+    if (areas[f] <= minFaceShare * total / static_cast<double>(areas.size())) continue;
     const auto at = [&](int k) {
       return Vector3(positions.row(surface.faces()(f, k)).transpose());
     };
@@ -44,7 +39,7 @@ Eigen::VectorXd vertexAreaRatios(const ClosedSurface& surface, const Points& pos
   }
   Eigen::VectorXd ratios = Eigen::VectorXd::Ones(surface.vertexCount());
   for (int v = 0; v < surface.vertexCount(); ++v)
-    if (onSurface[v] > minArea * total / static_cast<double>(areas.size()))
+    if (onSurface[v] > minFaceShare * total / static_cast<double>(areas.size()))
       ratios[v] = onSphere[v] / (4 * pi) / (onSurface[v] / total);
   return ratios;
 }
@@ -57,7 +52,7 @@ MapMeasures measureMap(const ClosedSurface& surface, const Points& positions) {
   const Points onMesh = cornerAngles(surface.vertices(), surface.faces());
   const Points onSphere = cornerAngles(positions, surface.faces());
   double mean = 0, squares = 0, logs = 0, angles = 0, count = 0;
-  const double least = minArea * areas.mean();
+  const double least = minFaceShare * areas.mean();
   for (int f = 0; f < surface.faceCount(); ++f) {
     if (areas[f] <= least) continue;
     count += 1;

@@ -9,8 +9,8 @@
 namespace sphere_propagation {
 
 /// With s_f the share of face f in the sphere and a_f its share in the surface, the area ratio of f
-/// is s_f / a_f. Faces smaller than 1e-5 of the mean area count for the certificate only: no ratio
-/// or angle means anything there.
+/// is s_f / a_f. Faces smaller than minFaceShare of the mean area count for the certificate only:
+/// no ratio or angle means anything there.
 struct MapMeasures {
   Certificate certificate;
   double areaRatioSd = 0;  ///< standard deviation of the area ratio; 0 = area-preserving

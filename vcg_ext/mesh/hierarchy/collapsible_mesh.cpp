@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "vcg_ext/mesh/usable_extent.h"
+
 namespace sphere_propagation {
 
 CollapsibleMesh::CollapsibleMesh(const ClosedSurface& surface, const std::vector<int>& order)
@@ -59,7 +61,7 @@ CollapsibleMesh::CollapsibleMesh(const ClosedSurface& surface, const std::vector
   area_.resize(static_cast<size_t>(m));
   double sum = 0;
   for (int f = 0; f < m; ++f) sum += area_[f] = static_cast<float>(flatArea(f));
-  const auto least = static_cast<float>(1e-5 * sum / m);
+  const auto least = static_cast<float>(minFaceShare * sum / m);
   for (float& area : area_) area = std::max(area, least);
   collapses_.reserve(static_cast<size_t>(n));
   formerAreas_.reserve(6 * static_cast<size_t>(n));

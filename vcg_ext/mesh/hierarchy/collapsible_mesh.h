@@ -22,8 +22,8 @@ class CollapsibleMesh {
  public:
   /// `surface` with its vertices in another order: vertex i here is order[i] there, a permutation.
   /// Points are in units of the extent, where squares of areas are numbers. A face stands for its
-  /// area at first, or for 1e-5 of the mean where it is smaller. The numbering of `surface` is
-  /// forgotten.
+  /// area at first, or for minFaceShare of the mean where it is smaller. The numbering of `surface`
+  /// is forgotten.
   CollapsibleMesh(const ClosedSurface& surface, const std::vector<int>& order);
 
   int vertexCount() const { return vertexCount_; }  ///< of those that are there
