@@ -74,10 +74,10 @@ Matrix squaredTails(const Matrix& scores, Eigen::Index modes) {
 
 ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
                            const ModelMeasureParameters& parameters, const Progress& progress) {
-  if (parameters.samples < 1 || parameters.samples > 1'000'000)
+  if (parameters.samples < 1 || parameters.samples > ModelMeasureParameters::maxSamples)
     throw ParameterError("The number of samples for the specificity is " +
-                         std::to_string(parameters.samples) +
-                         ": it must lie between 1 and 1000000.");
+                         std::to_string(parameters.samples) + ": it must lie between 1 and " +
+                         std::to_string(ModelMeasureParameters::maxSamples) + ".");
   if (modes < 0)
     throw ParameterError("The number of modes must be 0 or more; it is " + std::to_string(modes) +
                          ".");

@@ -11,7 +11,9 @@
 namespace sphere_propagation {
 
 struct ModelMeasureParameters {
-  int samples = 1000;  ///< shapes drawn for the specificity, 1 to 1 million
+  static constexpr int maxSamples = 1'000'000;
+
+  int samples = 1000;  ///< shapes drawn for the specificity, 1 to maxSamples
   unsigned seed = 0;   ///< of the draws: the same seed, the same samples on every machine (but for
                        ///< the last digits)
 };

@@ -40,15 +40,16 @@ class RandomState {
 
 void checkParameters(const PhantomParameters& p) {
   std::ostringstream text;
-  if (p.phases < 1 || p.phases > 10000)
-    text << "Phantom: the number of phases must lie between 1 and 10000, but it is " << p.phases
-         << ".";
-  else if (!(p.voxelSize >= 0.25 && p.voxelSize <= 4))
-    text << "Phantom: the voxel size must lie between 0.25 and 4 mm, but it is " << p.voxelSize
-         << ".";
-  else if (!(std::fabs(p.twist) <= 360))
-    text << "Phantom: the twist must lie between -360 and 360 degrees, but it is " << p.twist
-         << ".";
+  if (p.phases < 1 || p.phases > PhantomParameters::maxPhases)
+    text << "Phantom: the number of phases must lie between 1 and " << PhantomParameters::maxPhases
+         << ", but it is " << p.phases << ".";
+  else if (!(p.voxelSize >= PhantomParameters::minVoxelSize &&
+             p.voxelSize <= PhantomParameters::maxVoxelSize))
+    text << "Phantom: the voxel size must lie between " << PhantomParameters::minVoxelSize
+         << " and " << PhantomParameters::maxVoxelSize << " mm, but it is " << p.voxelSize << ".";
+  else if (!(std::fabs(p.twist) <= PhantomParameters::maxTwist))
+    text << "Phantom: the twist must lie between " << -PhantomParameters::maxTwist << " and "
+         << PhantomParameters::maxTwist << " degrees, but it is " << p.twist << ".";
   if (!text.str().empty()) throw ParameterError(text.str());
 }
 

@@ -15,11 +15,15 @@ struct PhantomParameters {
     Cavity,  ///< the blood pool, closed by a lid at the base
     Wall,    ///< the muscle, a thick cup open at the base
   };
+  static constexpr int maxPhases = 10000;
+  static constexpr double minVoxelSize = 0.25, maxVoxelSize = 4;  ///< mm
+  static constexpr double maxTwist = 360;                         ///< degrees
+
   Part part = Part::Cavity;
-  int phases = 25;       ///< of one cycle, 1 to 10000; phase 0 is end-diastole
-  double voxelSize = 2;  ///< mm, in [0.25, 4]; the cavity has about 4000 vertices at 2 mm
-  double twist =
-      0;  ///< degrees by which the apex turns against the base at end-systole, in [-360, 360]
+  int phases = 25;       ///< of one cycle, 1 to maxPhases; phase 0 is end-diastole
+  double voxelSize = 2;  ///< mm; the cavity has about 4000 vertices at 2 mm
+  /// Degrees by which the apex turns against the base at end-systole; negative: the other way.
+  double twist = 0;
   unsigned seed = 0;  ///< another one makes another ventricle
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/text.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/volume/gaussian_smoothing.h"
 #include "vcg_ext/volume/marching_cubes.h"
@@ -108,8 +109,9 @@ void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviatio
 
 VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
                             const Progress& progress) {
-  if (!(parameters.smoothing >= 0 && parameters.smoothing <= 5))
-    throw ParameterError("Label volume: smoothing must lie between 0 and 5 working voxels.");
+  if (!(parameters.smoothing >= 0 && parameters.smoothing <= VolumeSurfaceParameters::maxSmoothing))
+    throw ParameterError("Label volume: smoothing must lie between 0 and " +
+                         shortNumber(VolumeSurfaceParameters::maxSmoothing) + " working voxels.");
   InterpolatedLabels field = interpolateSlices(labels, parameters.interpolation);
   ScalarGrid& grid = field.grid;
   const double h = grid.spacing[0];

@@ -9,9 +9,11 @@
 namespace sphere_propagation {
 
 struct VolumeSurfaceParameters {
+  static constexpr double maxSmoothing = 5;
+
   SliceInterpolationParameters interpolation;  ///< labels, size of the working voxels, gaps
-  double smoothing = 1;              ///< Gaussian, standard deviation in working voxels, 0 to 5
-  bool fillHoles = true;             ///< cavities that the labels enclose completely
+  double smoothing = 1;   ///< Gaussian, standard deviation in working voxels, 0 to maxSmoothing
+  bool fillHoles = true;  ///< cavities that the labels enclose completely
   bool keepLargestComponent = true;  ///< drop all parts but the one with the most working voxels
   bool cutHandles = true;            ///< every part comes out of genus 0, without cavities
 };
