@@ -53,6 +53,7 @@ if(SPHERE_PROPAGATION_PLUGINS)
     OUTPUT_NAME meshlab-common LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/stub)
 endif()
 
+include(EmbedTexts)
 add_custom_target(plugins) # all of them, without tests and benchmarks
 set(MESHLAB_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
 
@@ -68,6 +69,7 @@ function(add_meshlab_plugin NAME)
   target_link_options(${NAME} PRIVATE
     "LINKER:--push-state,--no-as-needed,$<TARGET_FILE:meshlab_common_stub>,--pop-state"
     "LINKER:--version-script=${MESHLAB_PLUGIN_EXPORTS}")
+  embed_texts(${NAME} ${CMAKE_CURRENT_SOURCE_DIR}/help)
   set_target_properties(${NAME} PROPERTIES
     AUTOMOC ON
     SKIP_BUILD_RPATH ON

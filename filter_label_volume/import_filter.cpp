@@ -12,6 +12,7 @@
 #include "filter_label_volume/earlier_imports.h"
 #include "filter_label_volume/file_series.h"
 #include "filter_label_volume/volume_file.h"
+#include "host/help.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/base/text.h"
@@ -90,78 +91,25 @@ std::string describe(const VolumeSurface& s) {
 class ImportFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Import label volume as layers", "create_layers_from_label_volume",
-        "Reads a segmentation (NIfTI, NRRD or MetaImage; 3D, or 4D with time; or a numbered series "
-        "of 3D files) and makes one layer per phase: the surface of a label, or of several labels "
-        "united, in millimetres, where the file's matrix puts it. Every surface is closed, "
-        "manifold, outward, of one part and of genus 0, so that the other filters take it as it "
-        "is.<br>Slices that lie far apart are interpolated by their shapes, with flat caps half a "
-        "slice beyond the first and the last one. Cavities are filled, the largest part is kept, "
-        "handles are cut or filled by fronts of simple points, whichever changes fewer voxels; the "
-        "log says what was changed. Smoothing keeps the volume. Run again on the same file and "
-        "labels, the filter replaces its layers and removes those of phases that are gone. Layers "
-        "of another file of the same name stay; the new ones then have the folder's name in "
-        "theirs.<br><br>Returned, one entry per layer: <b>phase</b>: its number; "
-        "<b>label_volume</b>: of the voxels, mm^3; <b>volume</b>: of the surface, mm^3; "
-        "<b>vertices</b>: how many; <b>interpolated_slices</b>: empty slices that were "
-        "interpolated; <b>dropped_share</b>: of the working voxels, in smaller parts; "
-        "<b>filled_voxels</b>: working voxels in cavities; <b>handles</b>: that the label had; "
-        "<b>changed_voxels</b>: working voxels changed to remove them; <b>thin</b>: 1 where the "
-        "surface encloses over a tenth less than the label's voxels, else 0; <b>seconds</b>: of "
-        "this "
-        "phase. <b>layers</b>: how many were made.<br><br>See:<br><i>Sai P. Raya and Jayaram K. "
-        "Udupa</i><br><b>\"Shape-based interpolation of multidimensional objects\"</b><br>IEEE "
-        "Transactions on Medical Imaging 9(1), 1990.<br><i>Stephan Bischoff and Leif "
-        "Kobbelt</i><br><b>\"Isosurface reconstruction with topology control\"</b><br>Pacific "
-        "Graphics, 2002.<br><i>Gilles Bertrand and Gr&eacute;goire Malandain</i><br><b>\"A new "
-        "characterization of three-dimensional simple points\"</b><br>Pattern Recognition Letters "
-        "15(2), 1994.<br><i>William E. Lorensen and Harvey E. Cline</i><br><b>\"Marching cubes: a "
-        "high resolution 3D surface construction algorithm\"</b><br>Computer Graphics 21(4), 1987.",
-        static_cast<int>(host::Menu::MeshCreation), host::Arity::None};
+    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const VolumeSurfaceParameters defaults;
-    return {{"file_name", "File",
-             "NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), of labels, 3D "
-             "or 4D.",
-             host::Parameter::File{
-                 "Label volumes (*.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd);;All files (*)"}},
-            {"labels", "Labels",
-             "The label to be imported, as \"1\"; or several, as \"1,2\", for their union.",
-             std::string("1")},
-            {"voxel_size", "Voxel size",
-             "Edge of the cubic voxels that are worked on, mm; larger ones make fewer vertices. 0: "
-             "the smallest spacing of the file.",
-             defaults.interpolation.voxelSize},
-            {"smoothing", "Smoothing",
-             "Standard deviation of the Gaussian that smooths the surface, in working voxels, 0 to "
-             "5. The volume is kept.",
-             defaults.smoothing},
-            {"coordinates", "Coordinates",
-             "RAS: x to the patient's right, y to the front, z to the head, as NIfTI, 3D Slicer's "
-             "scenes and most viewers. LPS: x to the left, y to the back, as DICOM and ITK.",
-             host::Parameter::Choice{{"RAS", "LPS"}, 0}},
-            {"fill_holes", "Fill holes", "Fill cavities that the label encloses completely.",
-             defaults.fillHoles},
-            {"keep_largest_component", "Keep the largest component",
-             "Drop all parts of the label but the largest one.", defaults.keepLargestComponent},
-            {"cut_handles", "Cut handles",
-             "Remove handles (and cavities that are left), so that the surface is of genus 0.",
-             defaults.cutHandles},
-            {"file_series", "Numbered series of files",
-             "Also read the files beside this one whose names differ from it in one number only, "
-             "in the order of that number: one phase each.",
-             false},
-            {"skip_incomplete_phases", "Skip incomplete phases",
-             "Leave out phases in which a label does not occur, instead of stopping with an error.",
-             false},
-            host::Parameter{"longest_gap", "Longest gap",
-                            "Slices without the label between slices with it are interpolated when "
-                            "there are at most so many in a row; 0: never.",
-                            defaults.interpolation.longestGap}
-                .asAdvanced()};
+    return {help_.parameter(
+                "file_name",
+                host::Parameter::File{
+                    "Label volumes (*.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd);;All files (*)"}),
+            help_.parameter("labels", std::string("1")),
+            help_.parameter("voxel_size", defaults.interpolation.voxelSize),
+            help_.parameter("smoothing", defaults.smoothing),
+            help_.parameter("coordinates", host::Parameter::Choice{{"RAS", "LPS"}, 0}),
+            help_.parameter("fill_holes", defaults.fillHoles),
+            help_.parameter("keep_largest_component", defaults.keepLargestComponent),
+            help_.parameter("cut_handles", defaults.cutHandles),
+            help_.parameter("file_series", false),
+            help_.parameter("skip_incomplete_phases", false),
+            help_.parameter("longest_gap", defaults.interpolation.longestGap).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -327,6 +275,9 @@ class ImportFilter : public host::Filter {
     earlier.place(layer, file);
     task.changes.addLayer(layer);
   }
+
+  const host::Help help_{"create_layers_from_label_volume",
+                         {{"max_smoothing", shortNumber(VolumeSurfaceParameters::maxSmoothing)}}};
 };
 
 }  // namespace

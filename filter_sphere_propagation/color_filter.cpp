@@ -6,6 +6,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/display/sphere_pattern.h"
 #include "vcg_ext/mesh/icosphere.h"
 
@@ -27,50 +28,18 @@ struct PlacedLayer {
 class ColorFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Colour by spherical parameterisation",
-        "compute_color_from_spherical_parameterisation_per_vertex",
-        "Draws a pattern of the unit sphere on the vertices of every visible layer that has a "
-        "place on it: surfaces with a map, their sphere layers, and landmark layers. <b>The same "
-        "place has the same colour on every layer</b>, so a look at several phases shows whether a "
-        "map is right.<br><br><b>Checkerboard</b>: fields between meridians and parallels; the hue "
-        "turns with the longitude, the north pole is light and the south pole dark. <b>Latitude "
-        "and longitude</b>: meridians and parallels as stripes on white, the 0 meridian and the "
-        "equator in black. <b>Direction</b>: hue and lightness alone. These need some ten vertices "
-        "per field; edges are blended over the distance of the vertices.<br><b>Area ratio</b>: "
-        "share of the sphere / share of the surface. Light grey: 1, areas are preserved; red: too "
-        "much of the sphere; blue: too little. It is also stored as quality of vertices and faces, "
-        "so that MeshLab's colour ramps, histograms and selections work on it.<br><br>Returned: "
-        "<b>layers</b>: how many were coloured.<br><br>" +
-            paperReference() +
-            "Blended edges:<br><i>Inigo Quilez</i><br><b>\"Filtering the checkerboard "
-            "pattern\"</b><br>2008.<br>Colours of ratios:<br><i>Kenneth "
-            "Moreland</i><br><b>\"Diverging color maps for scientific "
-            "visualization\"</b><br>International Symposium on Visual Computing, 2009.",
-        host::Menu::VertexColoring | host::Menu::Quality, host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::VertexColoring | host::Menu::Quality,
+                          host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {{"pattern", "Pattern", "What is drawn on the sphere; see above.",
-             host::Parameter::Choice{
-                 {"Checkerboard", "Latitude and longitude", "Direction", "Area ratio"}, 0}},
-            {"cells", "Cells",
-             "Fields from pole to pole, 2 to " + std::to_string(maxPatternCells) +
-                 "; half as many again round the equator. For the checkerboard, and latitude and "
-                 "longitude.",
-             SpherePatternParameters{}.cells},
-            {"area_ratio_limit", "Area ratio at full colour",
-             "Greater than 1. With 2, the colours of the area ratio end at twice (red) and half "
-             "(blue) of the area's due share.",
-             2.0},
-            {"store_area_ratio", "Store area ratio as quality",
-             "Store the area ratio as quality of vertices and faces with every pattern, in place "
-             "of what quality the layers have. The pattern \"Area ratio\" always does.",
-             false},
-            {"landmark_layers", "Landmark layers too",
-             "Colour landmark layers as well, in place of the colours of their landmarks' numbers, "
-             "which \"Remesh by icosphere\" brings back.",
-             true}};
+    return {help_.parameter(
+                "pattern",
+                host::Parameter::Choice{
+                    {"Checkerboard", "Latitude and longitude", "Direction", "Area ratio"}, 0}),
+            help_.parameter("cells", SpherePatternParameters{}.cells),
+            help_.parameter("area_ratio_limit", 2.0), help_.parameter("store_area_ratio", false),
+            help_.parameter("landmark_layers", true)};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -163,6 +132,9 @@ class ColorFilter : public host::Filter {
       return std::nullopt;
     }
   }
+
+  const host::Help help_{"compute_color_from_spherical_parameterisation_per_vertex",
+                         {{"max_cells", std::to_string(maxPatternCells)}}};
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 
 namespace sphere_propagation {
 namespace {
@@ -14,22 +15,7 @@ namespace {
 class EvaluationFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Evaluate spherical parameterisation", "get_spherical_parameterisation_measures",
-            "Certifies and measures the map to the unit sphere of every visible surface layer that "
-            "carries one, as attribute <i>sphere_position</i> or, where there is none, as texture "
-            "coordinates. A map that is not valid is reported, not refused. Nothing is "
-            "changed.<br><br>Returned, one entry per layer that carries a map: <b>valid</b>: 1 or "
-            "0; <b>degree</b>: how often the sphere is covered, 1 in a valid map; <b>root</b>: a "
-            "number that stands for the root that the map came from, the same on all layers whose "
-            "maps belong together, -1 where it is not known, as of maps read from files; " +
-                mapFiguresInfo() +
-                "<br><br>Orientation is decided exactly:<br><i>Jonathan Richard "
-                "Shewchuk</i><br><b>\"Adaptive precision floating-point arithmetic and fast robust "
-                "geometric predicates\"</b><br>Discrete &amp; Computational Geometry 18, "
-                "1997.<br>Areas on the sphere:<br><i>Adriaan van Oosterom and Jan "
-                "Strackee</i><br><b>\"The solid angle of a plane triangle\"</b><br>IEEE "
-                "Transactions on Biomedical Engineering 30(2), 1983.",
-            static_cast<int>(host::Menu::Measure), host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::Measure, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override { return {}; }
@@ -69,6 +55,9 @@ class EvaluationFilter : public host::Filter {
     figures.addTo(outputs);
     return outputs;
   }
+
+ private:
+  const host::Help help_{"get_spherical_parameterisation_measures"};
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/volume/ventricle_phantom.h"
 
 namespace sphere_propagation {
@@ -13,35 +14,15 @@ namespace {
 class PhantomFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Beating ventricle phantom", "create_ventricle_phantom",
-        "Makes a left ventricle over one heart cycle, one layer per phase, each meshed on its own "
-        "from voxels, so that no two layers correspond: a sample to try the other filters on. "
-        "Phase 0 is end-diastole and becomes the current layer. The motion of every material point "
-        "is known: the per-vertex attribute <i>material_coordinate</i> = (u, theta, m) says which "
-        "point of the tissue a vertex is (u: apex 0 to base 1, theta: angle round the long axis in "
-        "radians, m: inner 0 to outer surface 1), so the error of a correspondence can be "
-        "measured. The lid of the cavity is no tissue: there u goes on from 1 at the rim to 2 on "
-        "the axis.<br><br>Returned: <b>layers</b>, <b>vertices</b> (one entry per phase), "
-        "<b>seconds</b>.<br><br>Surfaces are extracted by marching cubes:<br><i>William E. "
-        "Lorensen and Harvey E. Cline</i><br><b>\"Marching cubes: a high resolution 3D surface "
-        "construction algorithm\"</b><br>Computer Graphics 21(4), 1987.",
-        static_cast<int>(host::Menu::MeshCreation), host::Arity::None};
+    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const PhantomParameters defaults;
-    return {{"part", "Part",
-             "Cavity: the blood pool, a rounded cone. Wall: the muscle around it, a thick cup.",
-             host::Parameter::Choice{{"Cavity", "Wall"}, 0}},
-            {"phases", "Phases", "Layers over one cycle, 1 to 10000.", defaults.phases},
-            {"voxel_size", "Voxel size",
-             "mm, 0.25 to 4. Smaller voxels make finer meshes: 2 mm gives about 4000 vertices.",
-             defaults.voxelSize},
-            {"twist", "Twist",
-             "Degrees, -360 to 360, by which the apex turns against the base at end-systole.",
-             defaults.twist},
-            {"seed", "Seed", "Each number makes another ventricle; 0 or more.", 0}};
+    return {help_.parameter("part", host::Parameter::Choice{{"Cavity", "Wall"}, 0}),
+            help_.parameter("phases", defaults.phases),
+            help_.parameter("voxel_size", defaults.voxelSize),
+            help_.parameter("twist", defaults.twist), help_.parameter("seed", 0)};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -81,6 +62,13 @@ class PhantomFilter : public host::Filter {
     return {
         {"layers", parameters.phases}, {"vertices", vertices}, {"seconds", stopwatch.seconds()}};
   }
+
+ private:
+  const host::Help help_{"create_ventricle_phantom",
+                         {{"max_phases", std::to_string(PhantomParameters::maxPhases)},
+                          {"min_voxel_size", shortNumber(PhantomParameters::minVoxelSize)},
+                          {"max_voxel_size", shortNumber(PhantomParameters::maxVoxelSize)},
+                          {"max_twist", shortNumber(PhantomParameters::maxTwist)}}};
 };
 
 }  // namespace

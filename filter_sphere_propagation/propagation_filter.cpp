@@ -10,6 +10,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/propagation.h"
@@ -101,96 +102,28 @@ std::vector<int> placesOfParents(const Participants& participants, const std::st
 class PropagationFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Propagate parameterisation to layers", "transfer_spherical_parameterisation_to_layers",
-        "Hands the root's map to the unit sphere on to all other visible surface layers, along a "
-        "tree of layers, so that the same point of the sphere means the same place on every layer. "
-        "Layer order is time order. Layers of landmarks, of spheres and of shape models are told "
-        "apart by what they are and left alone; a layer's matrix counts. Every map that is stored "
-        "is <b>certified valid</b>.<br><br><b>Robust</b>: the root's surface is moved onto each "
-        "layer by a smooth, low-rank motion model that is fitted along the tree; each vertex takes "
-        "the sphere position at the closest point of the moved root whose normal agrees, and faces "
-        "that flip are untangled locally. How much tissue tends to travel, stretch and turn is "
-        "learnt from the sequence where it has twelve layers or more. In Cyclic time each layer is "
-        "reached both ways round, and the motions are averaged. All layers must share one unit; "
-        "one that lies in another pose is laid on its parent for the fit (the log says so). A "
-        "layer that the fit loses gets the map of its parent instead (the log says so), brought "
-        "onto it by an affine alignment.<br><b>As published</b>: the steps of the paper (scaling "
-        "along principal axes, iterative closest points, mutually nearest vertices, linear system, "
-        "smoothing), and then the repair of what is still flipped.<br><br>Returned, one entry per "
-        "layer in layer order, root included: <b>parent</b>: layer number that the map came from, "
-        "-1 for the root (of the tree, also where both ways round were averaged); "
-        "<b>residual_mean</b>, <b>residual_p95</b>: distance of the layer's vertices from the "
-        "surface that was brought onto it (Robust: the moved root; As published: the parent), in "
-        "the mesh's unit; <b>repaired_faces</b>: faces that were flipped before the repair; "
-        "<b>route</b>: how the layer got its map, 0 by the method asked for, 1 where the fit of "
-        "Robust lost it and alignment with its parent gave it, 2 where that failed as well and it "
-        "came as published; <b>distant</b>: 1 where the layer lies more than two edge lengths off "
-        "what was brought onto it, on average, else 0; <b>mirrored</b>: 1 where a layer was found "
-        "to be a mirror image of the "
-        "others and was reflected, else 0; <b>branch_distance</b>, <b>branch_angle</b>: in Cyclic "
-        "time, how far the maps of the two branches are apart where they meet, on average, on the "
-        "surface in the mesh's unit and on the sphere in degrees; " +
-            mapFiguresInfo() + "<br><br>" + paperReference(),
-        host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
     const PublishedParameters published;
     const LargestLayer largest(layers.visible(host::LayerKind::Surface));
     const int rootId = defaultRootId(layers);
-    return {
-        host::Parameter{"root_layer", "Root layer",
-                        "The layer whose map is handed on. It must have one: \"Spherical "
-                        "parameterise root\". " +
-                            largest.help(),
-                        host::Parameter::LayerId{rootId}}
-            .withNote(largest.note(rootId)),
-        {"method", "Method", "How a map gets from one layer to the next; see above.",
-         host::Parameter::Choice{{"Robust", "As published"}, 0}},
-        {"order", "Order",
-         "Which layer hands its map to which. Time: from the root to its neighbours in layer "
-         "order, both ways (the paper's). Cyclic time: both ways round a cycle, the last layer "
-         "being next to the first. Similarity tree: the tree that links shapes most alike, for "
-         "layers in no order. Star: from the root to each. Given: as in \"Parents\".",
-         host::Parameter::Choice{{"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}},
-        {"parents", "Parents",
-         "For the order Given: one layer number (as the layer dialog shows it) per visible surface "
-         "layer, in layer order: the layer that its map comes from, -1 for the root. For example "
-         "\"-1, 0, 1, 1\".",
-         std::string()},
-        {"area_restoration", "Area restoration",
-         "0 to 1: how far each layer's map is moved towards area preservation in the end. 0 keeps "
-         "what was propagated: tissue that stretches keeps its share of the sphere.",
-         0.0},
-        {"residual_quality", "Store residual as quality",
-         "Store how far each vertex lies from what was brought onto its layer as its quality, in "
-         "place of what quality the layer had; \"Colorize by vertex quality\" shows it.",
-         false},
-        {"mirror_layers", "Mirror layers",
-         "Reflect a layer that is a mirror image of the others, a left bone among right ones, "
-         "before its map is made: <b>this changes its surface</b>. It is reflected across the "
-         "plane through its centroid normal to x, its faces are turned so that they look outward. "
-         "Without, such a layer is named in the log only.",
-         false},
-        host::Parameter{"anisotropic_scaling", "Anisotropic scaling",
-                        "As published: scale each layer to the extents of its parent along the "
-                        "principal axes before corresponding vertices are looked for.",
-                        published.anisotropicScaling}
-            .asAdvanced(),
-        host::Parameter{"icp_iterations", "ICP iterations",
-                        "As published: iterations of the rigid alignment, at most.",
-                        published.icpIterations}
-            .asAdvanced(),
-        host::Parameter{"smoothing_sweeps", "Smoothing sweeps",
-                        "As published: sweeps that smooth the map over the sphere.",
-                        published.smoothingSweeps}
-            .asAdvanced(),
-        host::Parameter{"threads", "Threads",
-                        "How many threads work on layers that do not need each other; 0: as many "
-                        "as the machine runs at once. The maps are the same with any number.",
-                        PropagationParameters{}.threads}
-            .asAdvanced()};
+    host::Parameter root = help_.parameter("root_layer", host::Parameter::LayerId{rootId});
+    root.help += " " + largest.help();
+    return {std::move(root).withNote(largest.note(rootId)),
+            help_.parameter("method", host::Parameter::Choice{{"Robust", "As published"}, 0}),
+            help_.parameter("order",
+                            host::Parameter::Choice{
+                                {"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}),
+            help_.parameter("parents", std::string()),
+            help_.parameter("area_restoration", 0.0),
+            help_.parameter("residual_quality", false),
+            help_.parameter("mirror_layers", false),
+            help_.parameter("anisotropic_scaling", published.anisotropicScaling).asAdvanced(),
+            help_.parameter("icp_iterations", published.icpIterations).asAdvanced(),
+            help_.parameter("smoothing_sweeps", published.smoothingSweeps).asAdvanced(),
+            help_.parameter("threads", PropagationParameters{}.threads).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -462,6 +395,8 @@ class PropagationFilter : public host::Filter {
     figures.addTo(outputs);
     return outputs;
   }
+
+  const host::Help help_{"transfer_spherical_parameterisation_to_layers"};
 };
 
 }  // namespace

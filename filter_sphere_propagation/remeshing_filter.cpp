@@ -10,6 +10,7 @@
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
@@ -45,34 +46,12 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task,
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Remesh by icosphere", "generate_icosphere_remeshing",
-            "Samples every visible surface layer that has a map to the sphere by one and the same "
-            "icosphere. Each gets a new layer \"... landmarks\", all with one face list, so that "
-            "<b>vertex j is the same landmark on every shape</b>: the input of a statistical shape "
-            "model. Frequency f gives 10 f<sup>2</sup> + 2 landmarks; 10 gives the paper's 1002. "
-            "New layers have the identity matrix: landmarks lie where the surfaces are seen. Run "
-            "again, the filter replaces the layers that it made, also those that were saved and "
-            "loaded since.<br><br>Returned, one entry per layer with a map: "
-            "<b>surface_distance_mean</b>, <b>surface_distance_max</b>: distance between landmark "
-            "mesh and surface, both ways, in the mesh's unit; <b>seconds</b>.<br><br>" +
-                paperReference(),
-            static_cast<int>(host::Menu::Remeshing), host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::Remeshing, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {{"frequency", "Frequency",
-             "Into how many parts each edge of the icosahedron is split, 1 to " +
-                 std::to_string(maxIcosphereFrequency) + ": 10 f^2 + 2 landmarks.",
-             10},
-            {"color_landmarks", "Colour landmarks",
-             "Show the index of each landmark as its hue: the same colour means the same landmark "
-             "on every layer.",
-             true},
-            host::Parameter{"threads", "Threads",
-                            "How many threads work on layers; 0: as many as the machine runs at "
-                            "once. The landmarks are the same with any number.",
-                            0}
-                .asAdvanced()};
+    return {help_.parameter("frequency", 10), help_.parameter("color_landmarks", true),
+            help_.parameter("threads", 0).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -142,6 +121,9 @@ class RemeshingFilter : public host::Filter {
       return Made{std::move(remeshed.landmarks), distance, stopwatch.seconds()};
     });
   }
+
+  const host::Help help_{"generate_icosphere_remeshing",
+                         {{"max_frequency", std::to_string(maxIcosphereFrequency)}}};
 };
 
 }  // namespace

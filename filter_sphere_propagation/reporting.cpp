@@ -36,20 +36,4 @@ void MapFigures::addTo(host::Outputs& outputs) const {
   outputs["seconds"] = seconds_;
 }
 
-std::string mapFiguresInfo() {
-  return "<b>flipped_faces</b>: faces that are not positively oriented on the sphere (0 in a valid "
-         "map); <b>area_ratio_sd</b>: standard deviation over the faces of share of the sphere / "
-         "share of the surface (0: area-preserving); <b>area_log_mean</b>: mean |ln| of that "
-         "ratio; <b>angle_error_mean</b>: mean |corner angle on the sphere - corner angle on the "
-         "mesh| in degrees; <b>seconds</b>. Faces smaller than 1e-5 of the mean area count for "
-         "flipped_faces only.";
-}
-
-std::string paperReference() {
-  return "See:<br><i>Matthias Kirschner and Stefan Wesarg</i><br><b>\"Propagation of shape "
-         "parameterisation for the construction of a statistical shape model of the left "
-         "ventricle\"</b><br>Eurographics Workshop on Visual Computing for Biology and Medicine, "
-         "2010.<br>";
-}
-
 }  // namespace sphere_propagation

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What several filters tell the user in the same words: log lines, returned figures, references.
+/// What several filters tell the user in the same words: log lines, returned figures.
 
 #include <string>
 #include <vector>
@@ -26,11 +26,5 @@ class MapFigures {
  private:
   Eigen::VectorXd flippedFaces_, areaRatioSd_, areaLogMean_, angleErrorMean_, seconds_;
 };
-
-/// HTML: the keys that MapFigures returns, for filterInfo.
-std::string mapFiguresInfo();
-
-/// HTML: the paper that the plugin implements.
-std::string paperReference();
 
 }  // namespace sphere_propagation

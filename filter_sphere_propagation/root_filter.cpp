@@ -4,6 +4,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/mesh/sphere_fit.h"
 #include "vcg_ext/root_map/root_map.h"
 
@@ -13,50 +14,16 @@ namespace {
 class RootFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Spherical parameterise root", "compute_spherical_parameterisation_root",
-        "Maps the current layer, a closed surface without handles, to the unit sphere so that "
-        "areas are preserved: every part of the surface gets its share of the sphere. The map is "
-        "<b>certified valid</b>: no face is flipped, and the sphere is covered once. It is stored "
-        "on the layer as the per-vertex attribute <i>sphere_position</i> (unit vectors) and as "
-        "per-vertex texture coordinates (u = longitude / 2 pi, v = colatitude / pi), which PLY "
-        "files keep.<br><br>This is the first of three steps; \"Propagate parameterisation to "
-        "layers\" and \"Remesh by icosphere\" follow. For a heart cycle, end-diastole (the layer "
-        "of largest volume) is a good root.<br><br>Returned: " +
-            mapFiguresInfo() + "<br><br>" + paperReference() +
-            "From coarse to fine:<br><i>Emil Praun and Hugues Hoppe</i><br><b>\"Spherical "
-            "parametrization and remeshing\"</b><br>ACM Transactions on Graphics 22(3), "
-            "2003.<br><i>Xin Hu, Xiao-Ming Fu and Ligang Liu</i><br><b>\"Advanced hierarchical "
-            "spherical parameterizations\"</b><br>IEEE Transactions on Visualization and Computer "
-            "Graphics 24(6), 2018.<br>Other initial maps:<br><i>Christian Brechb&uuml;hler, Guido "
-            "Gerig and Olaf K&uuml;bler</i><br><b>\"Parametrization of closed surfaces for 3-D "
-            "shape description\"</b><br>Computer Vision and Image Understanding 61(2), "
-            "1995.<br><i>Steven Haker, Sigurd Angenent, Allen Tannenbaum, Ron Kikinis, Guillermo "
-            "Sapiro and Michael Halle</i><br><b>\"Conformal surface parameterization for texture "
-            "mapping\"</b><br>IEEE Transactions on Visualization and Computer Graphics 6(2), 2000.",
-        host::Menu::Remeshing | host::Menu::Layer, host::Arity::CurrentLayer};
+    return help_.describe(host::Menu::Remeshing | host::Menu::Layer, host::Arity::CurrentLayer);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
-    return {
-        host::Parameter{"initial_map", "Initial map",
-                        "Where the minimisation of area distortion starts. Automatic: from coarse "
-                        "to fine, which works for every shape. Brechbuehler: colatitude and "
-                        "longitude by diffusion between two poles, the ends of the shape's first "
-                        "principal axis, as in the paper. Harmonic: the harmonic map (cotangent "
-                        "Laplace). The result is much the same. Where the one chosen cannot be "
-                        "made valid, the map is made from coarse to fine, and the log says so.",
-                        host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0}}
-            .withNote(sizeNote(layers)),
-        {"area_weight", "Area weight",
-         "0 to 1. 1 asks for equal areas alone, as far as validity allows; 0 for angles alone. The "
-         "default all but preserves areas and spends the freedom that is left on angles.",
-         RootMapParameters{}.areaWeight},
-        host::Parameter{"threads", "Threads",
-                        "How many threads work on large meshes; 0: as many as the machine runs at "
-                        "once. The map is the same with any number.",
-                        RootMapParameters{}.threads}
-            .asAdvanced()};
+    return {help_
+                .parameter("initial_map",
+                           host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0})
+                .withNote(sizeNote(layers)),
+            help_.parameter("area_weight", RootMapParameters{}.areaWeight),
+            help_.parameter("threads", RootMapParameters{}.threads).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -109,6 +76,8 @@ class RootFilter : public host::Filter {
                ? note
                : "the current layer is " + std::to_string(current) + "; for a heart cycle, " + note;
   }
+
+  const host::Help help_{"compute_spherical_parameterisation_root"};
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
@@ -116,76 +117,24 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
 class ShapeModelFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {
-        "Build statistical shape model", "compute_statistical_shape_model",
-        "Builds a point distribution model of all visible landmark layers, which \"Remesh by "
-        "icosphere\" makes: the shapes are aligned by generalised Procrustes analysis, their "
-        "average is the mean shape, and a principal component analysis gives the modes in which "
-        "they vary, with the variance of each (divisor: number of shapes - 1). New layers show the "
-        "mean and the ends of the first modes, \"mode 1 -3 sd\" and \"mode 1 +3 sd\", coloured by "
-        "displacement from the mean along its normal: red outwards, blue inwards, white none; the "
-        "log says how far. The frame is that of the first shape, the size the average one. Run "
-        "again, the filter replaces the layers that it made. Shapes come in the order of the "
-        "surfaces that they were made of, where these are in the project, else in layer order. "
-        "Identical shapes give a model without modes.<br><br><b>Export file</b>, by its ending: "
-        ".npz (NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M, faces F x 3), .h5 "
-        "and .json (statismo, scalismo), .particles (ShapeWorks: the mean, and one file per shape "
-        "beside it), .ply (the mean, with modes as vertex properties), .csv (the "
-        "scores).<br><br>Returned, entry m - 1 for m modes: <b>eigenvalues</b>: variance along "
-        "mode m; <b>compactness</b>: sum of the first m eigenvalues; <b>variance_share</b>: the "
-        "same as a share of all variance; <b>generalisation</b>: mean distance between a shape and "
-        "its best approximation by m modes of the model of all others; <b>specificity</b>: mean "
-        "distance of random shapes of the model from the nearest training shape; "
-        "<b>generalisation_error</b>, <b>specificity_error</b>: their standard errors. A distance "
-        "is the root mean square over the landmarks, in the mesh's unit. <b>scores</b>: of every "
-        "shape along the modes, row by row (reshape to shapes x modes); <b>mean</b> (landmarks x "
-        "3) and <b>mode_vectors</b> (modes x landmarks x 3), row by row; <b>total_variance</b>: of "
-        "all modes, kept or not; <b>shapes</b>, <b>modes</b>, <b>landmarks</b>: how many; "
-        "<b>seconds</b>.<br><br>" +
-            paperReference() +
-            "<i>Timothy F. Cootes, Christopher J. Taylor, David H. Cooper and Jim "
-            "Graham</i><br><b>\"Active shape models: their training and "
-            "application\"</b><br>Computer Vision and Image Understanding 61(1), "
-            "1995.<br><i>Martin A. Styner, Kumar T. Rajamani, Lutz-Peter Nolte, Gabriel Zsemlye, "
-            "G&aacute;bor Sz&eacute;kely, Christopher J. Taylor and Rhodri H. "
-            "Davies</i><br><b>\"Evaluation of 3D correspondence methods for model "
-            "building\"</b><br>Information Processing in Medical Imaging, 2003.",
-        host::Menu::Layer | host::Menu::Measure, host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::Layer | host::Menu::Measure, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const ModelMeasureParameters measures;
-    return {{"alignment", "Alignment",
-             "What is taken out of the shapes before they are compared. Similarity: pose and size. "
-             "Rigid: pose. None: nothing.",
-             host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}},
-            {"modes", "Modes",
-             "How many modes are kept; 0: all, which are at most one less than the shapes.", 0},
-            {"standard_deviations", "Standard deviations",
-             "How far from the mean the layers of a mode lie, in standard deviations of that mode; "
-             "above 0.",
-             3.0},
-            {"mode_layers", "Modes shown",
-             "Number of modes that get two layers each; 0: only the mean is shown.", 3},
-            {"export_file", "Export file",
-             "Where the model is written to; empty: nowhere. The ending chooses the format: " +
-                 modelFileEndings() + ".",
-             host::Parameter::NewFile{
-                 "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;Mean "
-                 "and modes (*.ply);;Table of scores (*.csv)"}},
-            host::Parameter{"area_weights", "Weigh by area",
-                            "Alignment: each landmark weighs the area around it on the mean shape, "
-                            "so that dense regions do not count more. The modes are not weighted.",
-                            false}
-                .asAdvanced(),
-            host::Parameter{
-                "specificity_samples", "Specificity samples",
-                "Number of random shapes that the specificity is measured with, 1 to 1000000.",
-                measures.samples}
-                .asAdvanced(),
-            host::Parameter{"seed", "Seed", "Of the random shapes; 0 or more.",
-                            static_cast<int>(measures.seed)}
-                .asAdvanced()};
+    return {
+        help_.parameter("alignment", host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}),
+        help_.parameter("modes", 0),
+        help_.parameter("standard_deviations", 3.0),
+        help_.parameter("mode_layers", 3),
+        help_.parameter(
+            "export_file",
+            host::Parameter::NewFile{
+                "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;"
+                "Mean and modes (*.ply);;Table of scores (*.csv)"}),
+        help_.parameter("area_weights", false).asAdvanced(),
+        help_.parameter("specificity_samples", measures.samples).asAdvanced(),
+        help_.parameter("seed", static_cast<int>(measures.seed)).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -278,6 +227,11 @@ class ShapeModelFilter : public host::Filter {
     outputs["seconds"] = stopwatch.seconds();
     return outputs;
   }
+
+ private:
+  const host::Help help_{"compute_statistical_shape_model",
+                         {{"file_endings", modelFileEndings()},
+                          {"max_samples", std::to_string(ModelMeasureParameters::maxSamples)}}};
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
@@ -55,24 +56,11 @@ std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers
 class SphereLayersFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return {"Show parameterisation as sphere layers", "generate_sphere_layers",
-            "Makes a new layer \"... sphere\" of every visible surface layer that has a map: the "
-            "surface's own triangles on the unit sphere, with its colours. Run again, the filter "
-            "replaces the layers that it made.<br><br>Unit spheres lie at the origin and are tiny "
-            "beside a surface in mm. \"Beside the surfaces\" shows them large and to the right, by "
-            "the layer's matrix alone; else hide the surfaces and press Ctrl+H. \"Colour by "
-            "spherical parameterisation\" draws the same pattern on both.<br><br>Returned: "
-            "<b>layers</b>: how many were made.<br><br>" +
-                paperReference(),
-            static_cast<int>(host::Menu::Layer), host::Arity::VisibleLayers};
+    return help_.describe(host::Menu::Layer, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {{"beside_surfaces", "Beside the surfaces",
-             "Show the spheres to the right of the surfaces, each as large as its surface (by "
-             "area) and turned to show the same side, through the layer's matrix: the vertices "
-             "stay on the unit sphere. Otherwise the matrix is the identity.",
-             false}};
+    return {help_.parameter("beside_surfaces", false)};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -98,6 +86,9 @@ class SphereLayersFilter : public host::Filter {
                        "beside the surfaces"));
     return {{"layers", made}};
   }
+
+ private:
+  const host::Help help_{"generate_sphere_layers"};
 };
 
 }  // namespace

@@ -20,6 +20,8 @@ struct CommaForPoint : std::numpunct<char> {
 class OtherLocale {
  public:
   OtherLocale() : before_(std::locale::global({std::locale::classic(), new CommaForPoint})) {}
+  OtherLocale(const OtherLocale&) = delete;
+  OtherLocale& operator=(const OtherLocale&) = delete;
   ~OtherLocale() { std::locale::global(before_); }
 
  private:

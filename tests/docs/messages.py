@@ -23,8 +23,6 @@ DESCRIPTIONS = (
     "parameters(const host::Layers& layers) const override {",
     "parameters(const host::Layers&) const override {",
     "::describe() const {",
-    "std::string mapFiguresInfo() {",
-    "std::string paperReference() {",
 )
 IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
 
