@@ -5,8 +5,13 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 
+#include "tests/core/failing_allocation.h"
+#include "tests/core/limb_meshes.h"
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/area/area_schedule.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/root_map/harmonic_map.h"
 #include "vcg_ext/sphere/certificate.h"
 
@@ -111,6 +116,58 @@ TEST(AreaMinimiser, TakesNoStepFromPositionsThatAreNoMap) {
   EXPECT_EQ(minimiser.energy({1, 0.1}, positions), std::numeric_limits<double>::infinity());
   EXPECT_EQ(minimiser.step(withWeights(1, 0.1), positions), 1);
   EXPECT_EQ(positions, before);
+}
+
+TEST(AreaMinimiser, TakesNoStepFromAnEnergyOfZero) {
+  const Mesh mesh = icosphereMesh(3);
+  AreaMinimiser minimiser = minimiserOf(ClosedSurface(mesh.vertices, mesh.faces));
+  Points positions = mesh.vertices;
+  ASSERT_EQ(minimiser.energy({0, 0}, positions), 0);
+  EXPECT_EQ(minimiser.step(withWeights(0, 0), positions), 1);
+  EXPECT_EQ(positions, mesh.vertices);
+}
+
+TEST(AreaSchedule, EndsWithoutAShapeTerm) {
+  // What AreaEnergyWeights say where nothing else is asked for: areas alone.
+  const Mesh mesh = noisyEllipsoid(4);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  AreaMinimiser minimiser = minimiserOf(surface);
+  Points positions = harmonicPositions(surface);
+  const double before = minimiser.energy({}, positions);
+  const int steps = minimiseInStages(minimiser, {}, positions);
+  EXPECT_GT(steps, 5);
+  EXPECT_LT(steps, 400);
+  EXPECT_LT(minimiser.energy({}, positions), 1e-3 * before);
+  EXPECT_TRUE(certify(mesh.faces, positions).valid());
+}
+
+/// Every allocation fails once: what was thrown reaches the caller from whichever thread, and the
+/// minimiser works on.
+TEST(AreaMinimiser, OutOfMemoryIsAnException) {
+  if (!FailingAllocation::possible) GTEST_SKIP() << "the sanitizer has its own operator new";
+  const Mesh mesh = blob(32, 0.3, 5);  // more faces than one thread takes
+  ASSERT_GT(mesh.faces.rows(), ThreadPool::worthwhile);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  const Points start = icosphere(32).vertices;
+  ThreadPool pool(3);
+  AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()), &pool);
+  Points expected = start;
+  const double ratio = minimiser.step(withWeights(1, 1e-3), expected);
+  AreaMinimiser fresh(surface, faceTargets(surface.vertices(), surface.faces()), &pool);
+  int failures = 0;
+  for (long n = 0;; n = n + 1 + n / 4) {
+    Points positions = start;
+    try {
+      const FailingAllocation failing(n);
+      EXPECT_EQ(fresh.step(withWeights(1, 1e-3), positions), ratio);
+      EXPECT_EQ(positions, expected);
+      if (!failing.failed()) break;
+    } catch (const std::bad_alloc&) {
+      EXPECT_EQ(positions, start);
+      ++failures;
+    }
+  }
+  EXPECT_GT(failures, 3);
 }
 
 TEST(AreaMinimiser, KeepsNothingFromOneCallToTheNext) {

@@ -66,7 +66,7 @@ double AreaMinimiser::energy(const AreaEnergyWeights& weights, const Points& pos
 
 double AreaMinimiser::step(const AreaStepParameters& parameters, Points& positions) {
   const double before = expandFaces(parameters, positions);
-  if (!std::isfinite(before)) return 1;
+  if (!(before > 0) || !std::isfinite(before)) return 1;  // 0 cannot be lowered
   assemble(positions);
   const double promised = solve(parameters);
   constexpr int halvings = 14;

@@ -12,12 +12,11 @@ namespace sphere_propagation {
 namespace {
 
 /// Weight of the shape term beside an area term of 1. Squares, so that the range in which the two
-/// balance spreads over the slider; the least keeps faces from degenerating while areas travel, and
-/// is far below what can be seen in the areas.
+/// balance spreads over the slider.
 double shapeWeight(double areaWeight) {
-  constexpr double even = 0.02, least = 1e-6;
+  constexpr double even = 0.02;
   const double ratio = (1 - areaWeight) / areaWeight;
-  return std::max(even * ratio * ratio, least);
+  return std::max(even * ratio * ratio, minShapeWeight);
 }
 
 }  // namespace

@@ -10,11 +10,11 @@ int minimiseInStages(AreaMinimiser& minimiser, const AreaEnergyWeights& weights,
                      const Progress& progress, const AreaSchedule& schedule) {
   constexpr double decay = 0.25;   // of the shape weight, from stage to stage
   constexpr int stepsAtMost = 80;  // of a stage
-  const double last = weights.shape;
+  const double last = weights.shape, felt = std::max(minShapeWeight, last);
   const int stages =
-      last >= schedule.firstShape
+      felt >= schedule.firstShape
           ? 1
-          : 1 + static_cast<int>(std::ceil(std::log(last / schedule.firstShape) / std::log(decay)));
+          : 1 + static_cast<int>(std::ceil(std::log(felt / schedule.firstShape) / std::log(decay)));
   AreaStepParameters step;
   step.weights = weights;
   step.damping = 0.003;

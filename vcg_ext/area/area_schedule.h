@@ -18,9 +18,14 @@ struct AreaSchedule {
   int conjugateGradientIterations = 100;
 };
 
+/// The least weight of the shape term that is felt beside an area term of 1: it keeps faces from
+/// degenerating while areas travel, and is far below what can be seen in the areas.
+constexpr double minShapeWeight = 1e-6;
+
 /// Minimises the energy with these weights from valid positions. The weight of the shape term
-/// begins at `firstShape` and is lowered in stages to the one asked for, so that areas first travel
-/// through faces in good shape; then steps are damped less. Every step keeps the map valid.
+/// begins at `firstShape` and is lowered in stages to the one asked for (0 follows minShapeWeight),
+/// so that areas first travel through faces in good shape; then steps are damped less. Every step
+/// keeps the map valid.
 ///
 /// positions: #V by 3 unit vectors, admissible (see AreaMinimiser); changed in place. Returns the
 /// number of global steps taken.

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 
@@ -24,15 +25,48 @@ struct ThreadPool::State {
   // Of the loop that is being run; guarded by the mutex except for `next`.
   void (*call)(const void*, int) = nullptr;
   const void* context = nullptr;
-  int ranges = 0;
+  int count = 0;
   std::atomic<int> next{0};
   int working = 0;    // workers that have joined the loop and not finished
   bool open = false;  // a worker that wakes too late does not join, so nobody waits for it
   long loop = 0;      // number of the loop: a worker takes part in each once
   bool stop = false;
+  std::exception_ptr failure;  // of the first call that threw, which is this one:
+  int failed = 0;
 
-  void takeRanges() {
-    for (int i = next++; i < ranges; i = next++) call(context, i);
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    for (std::thread& worker : workers) worker.join();
+  }
+
+  void start(int threads) {
+    if (threads <= 1) return;
+    workers.reserve(static_cast<size_t>(threads) - 1);  // a thread that runs is never without owner
+    try {
+      for (int i = 1; i < threads; ++i) workers.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {  // the system gives no more: those that run will do
+    } catch (const std::bad_alloc&) {
+    }
+  }
+
+  void takeCalls() {
+    for (int i = next++; i < count; i = next++) {
+      try {
+        call(context, i);
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (failure && failed < i) continue;
+        failure = std::current_exception();
+        failed = i;
+      }
+    }
   }
 
   void work() {
@@ -44,7 +78,7 @@ struct ThreadPool::State {
       seen = loop;
       ++working;
       lock.unlock();
-      takeRanges();
+      takeCalls();
       lock.lock();
       if (--working == 0) done.notify_one();
     }
@@ -53,40 +87,34 @@ struct ThreadPool::State {
 
 ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
   if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());
-  threads = std::min(threads, maxThreads);
-  try {
-    for (int i = 1; i < threads; ++i) state_->workers.emplace_back([this] { state_->work(); });
-  } catch (const std::system_error&) {  // the system gives no more: those that run will do
-  }
+  state_->start(std::min(threads, maxThreads));
 }
 
-ThreadPool::~ThreadPool() {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->stop = true;
-  }
-  state_->wake.notify_all();
-  for (std::thread& worker : state_->workers) worker.join();
-}
+ThreadPool::~ThreadPool() = default;
 
 int ThreadPool::threads() const { return 1 + static_cast<int>(state_->workers.size()); }
 
-void ThreadPool::run(int ranges, void (*call)(const void*, int), const void* context) {
+void ThreadPool::run(int count, void (*call)(const void*, int), const void* context) {
   State& s = *state_;
   {
     const std::lock_guard<std::mutex> lock(s.mutex);
     s.call = call;
     s.context = context;
-    s.ranges = ranges;
+    s.count = count;
     s.next = 0;
     s.open = true;
     ++s.loop;
   }
   s.wake.notify_all();
-  s.takeRanges();
-  std::unique_lock<std::mutex> lock(s.mutex);
-  s.open = false;
-  while (s.working > 0) s.done.wait(lock);
+  s.takeCalls();
+  std::exception_ptr failure;
+  {
+    std::unique_lock<std::mutex> lock(s.mutex);
+    s.open = false;
+    while (s.working > 0) s.done.wait(lock);
+    failure.swap(s.failure);
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 std::vector<double>& ThreadPool::partialSums(int ranges) {

@@ -15,6 +15,9 @@
 
 namespace sphere_propagation {
 
+/// What the functions that loops call throw, out of memory included, reaches whoever runs the loop:
+/// all calls are finished, then the exception of the first of them is thrown, whichever threads
+/// they ran on. The pool can be used again. Such a function must not use its pool itself.
 class ThreadPool {
  public:
   /// threads: how many work together, the calling one included; 0: as many as the machine runs at
@@ -32,19 +35,15 @@ class ThreadPool {
   static constexpr int worthwhile = 16384;
 
   /// Calls f(begin, end) for consecutive ranges that make up 0 .. count - 1, from several threads
-  /// at once. Returns when all are done. f must not throw, and must not use this pool.
+  /// at once. Returns when all are done. Allocates nothing.
   template <class Function>
   void forRanges(int count, const Function& f) {
     const int ranges = rangesOf(count);
-    if (ranges <= inlineRanges || threads() == 1) {
-      for (int i = 0; i < ranges; ++i) f(beginOf(i), std::min(beginOf(i + 1), count));
-      return;
-    }
     const auto task = [&](int i) { f(beginOf(i), std::min(beginOf(i + 1), count)); };
-    run(
-        ranges,
-        [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); },
-        &task);
+    if (ranges <= inlineRanges || threads() == 1)
+      runHere(ranges, task);
+    else
+      runTogether(ranges, task);
   }
 
   /// The sum of f(begin, end) over such ranges, added up in their order.
@@ -59,28 +58,13 @@ class ThreadPool {
     return total;
   }
 
-  /// Calls f(0), ..., f(count - 1), for a few long tasks that are independent of each other; they
-  /// may throw: all are finished, then the exception of the first is thrown. f must not use this
-  /// pool.
+  /// Calls f(0), ..., f(count - 1), for a few long tasks that are independent of each other.
   template <class Function>
   void forEach(int count, const Function& f) {
-    std::vector<std::exception_ptr> failures(static_cast<size_t>(count));
-    const auto task = [&](int i) {
-      try {
-        f(i);
-      } catch (...) {
-        failures[static_cast<size_t>(i)] = std::current_exception();
-      }
-    };
     if (threads() == 1)
-      for (int i = 0; i < count; ++i) task(i);
+      runHere(count, f);
     else
-      run(
-          count,
-          [](const void* context, int i) { (*static_cast<const decltype(task)*>(context))(i); },
-          &task);
-    for (const std::exception_ptr& failure : failures)
-      if (failure) std::rethrow_exception(failure);
+      runTogether(count, f);
   }
 
   /// What f(0), ..., f(count - 1) return, in this order; otherwise as forEach.
@@ -102,7 +86,27 @@ class ThreadPool {
  private:
   static constexpr int inlineRanges = worthwhile / rangeSize;
   static int beginOf(int range) { return range * rangeSize; }
-  void run(int ranges, void (*call)(const void*, int), const void* context);
+
+  template <class Task>
+  static void runHere(int count, const Task& task) {
+    std::exception_ptr failure;
+    for (int i = 0; i < count; ++i) {
+      try {
+        task(i);
+      } catch (...) {
+        if (!failure) failure = std::current_exception();
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  template <class Task>
+  void runTogether(int count, const Task& task) {
+    run(
+        count, [](const void* context, int i) { (*static_cast<const Task*>(context))(i); }, &task);
+  }
+
+  void run(int count, void (*call)(const void*, int), const void* context);
   std::vector<double>& partialSums(int ranges);
 
   struct State;
