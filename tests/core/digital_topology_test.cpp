@@ -290,6 +290,10 @@ TEST(DigitalTopology, RefusesMasksThatTouchTheBorder) {
   EXPECT_THROW(fillCavities(mask), ParameterError);
   EXPECT_THROW(removeHandles(mask, depthOf(mask)), ParameterError);
   EXPECT_THROW(surfaceEulerCharacteristic(Mask()), ParameterError);
+  Mask corner({4, 4, 4});  // its first voxel, before which there is nothing to be read
+  corner(0, 0, 0) = 1;
+  EXPECT_THROW(keepLargestPart(corner), ParameterError);
+  EXPECT_THROW(removeHandles(corner, depthOf(corner)), ParameterError);
 }
 
 }  // namespace

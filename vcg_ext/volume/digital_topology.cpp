@@ -303,6 +303,7 @@ long surfaceEulerCharacteristic(const Mask& mask) {
 
 RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth,
                              const Progress& progress) {
+  requireFreeBorder(mask);
   RemovedHandles removed;
   const auto parts = partsOf(mask);
   // Without cavities there is one surface per part; each adds 2 - 2 genus.

@@ -164,7 +164,8 @@ Between between(double position, int count) {
 }
 
 /// Values along one line, given at increasing whole positions, as a smooth function without new
-/// extremes.
+/// extremes: slopes are the weighted harmonic means of the secants beside them (F. N. Fritsch, J.
+/// Butland, 1984).
 class MonotoneCubic {
  public:
   void set(const std::vector<int>& positions, const std::vector<float>& values) {

@@ -28,13 +28,13 @@ struct InterpolatedLabels {
 /// S. P. Raya and J. K. Udupa, Shape-based interpolation of multidimensional objects, IEEE
 /// Transactions on Medical Imaging 9, 1990. Where the slices lie at least 1.5 times as far apart as
 /// the voxels in them: signed distances in each slice, linear interpolation in the slice and a
-/// monotone cubic one across (F. N. Fritsch and R. E. Carlson, Monotone piecewise cubic
-/// interpolation, 1980), so that the surface has no creases at the slices; flat caps half a slice
-/// beyond the first and the last slice. A wall, a ring in its slices, would be torn where it slips
-/// sideways by more than its thickness from one slice to the next: where its holes lead through
-/// (SliceHoles), what it fills and its holes are interpolated by themselves, and the wall is the
-/// one without the other. Else: signed distances in space, linear interpolation. Slices are those
-/// along the axis of the largest spacing, of equal ones the last.
+/// monotone cubic one across (F. N. Fritsch and J. Butland, A method for constructing local
+/// monotone piecewise cubic interpolants, 1984), so that the surface has no creases at the slices;
+/// flat caps half a slice beyond the first and the last slice. A wall, a ring in its slices, would
+/// be torn where it slips sideways by more than its thickness from one slice to the next: where its
+/// holes lead through (SliceHoles), what it fills and its holes are interpolated by themselves, and
+/// the wall is the one without the other. Else: signed distances in space, linear interpolation.
+/// Slices are those along the axis of the largest spacing, of equal ones the last.
 ///
 /// An empty slice is interpolated between its neighbours when there are at most `longestGap` in a
 /// row and the smaller of the two slices beside the gap has at least a tenth of the other's voxels
