@@ -200,6 +200,29 @@ TEST(SphereWalk, EndsInTheFaceUnderTheDirection) {
   }
 }
 
+TEST(SphereLocator, AnswersEveryDirectionAtTheLimitOfWhatIsValid) {
+  // The base passes the centre closer than a query is rounded.
+  for (const double height : {1e-12, 1e-13}) {
+    Mesh mesh = tetrahedron();
+    mesh.vertices.row(0) << 0, 0, -1;
+    const double turn = 2 * 3.14159265358979323846 / 3;
+    for (int k = 0; k < 3; ++k)
+      mesh.vertices.row(1 + k) << std::cos(turn * k), std::sin(turn * k), height;
+    mesh.faces << 1, 2, 3, 0, 2, 1, 0, 3, 2, 0, 1, 3;
+    ASSERT_TRUE(certify(mesh.faces, mesh.vertices).valid());
+    const Located sphere(mesh);
+    Random random(29);
+    for (int i = 0; i < 2000; ++i)
+      for (const double flat : {1.0, height, 1e-3 * height, 0.0}) {
+        const SurfacePoint found =
+            sphere.locator.locate({random.normal(), random.normal(), flat * random.normal()});
+        ASSERT_GE(found.face, 0);
+        ASSERT_NEAR(found.weights.sum(), 1, 1e-12);
+        ASSERT_GE(found.weights.minCoeff(), 0);
+      }
+  }
+}
+
 TEST(SphereLocator, NoDirection) {
   const Located sphere(octahedron());
   const double nan = std::numeric_limits<double>::quiet_NaN(),

@@ -22,7 +22,7 @@ class SphereLocator {
   /// with w_0 a + w_1 b + w_2 c along `direction`, for the sphere positions a, b, c of its corners;
   /// distance is 0. Where faces meet, the one in which the smallest weight is largest (as
   /// computed), and of equals the smallest index. Throws ParameterError when the direction is zero
-  /// or not finite.
+  /// or not finite, MapError should rounding leave no face under it, which a valid map rules out.
   SurfacePoint locate(const Vector3& direction) const;
 
  private:
