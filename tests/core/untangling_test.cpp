@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/core/limb_meshes.h"
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/root_map/harmonic_map.h"
 #include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation::test {
@@ -84,6 +87,31 @@ TEST(Untangling, GrowsTheRingWhereOneIsNotEnough) {
     if (near.count(v) == 0) {
       EXPECT_LT((result.map.positions().row(v) - positions.row(v)).norm(), 1e-15);
     }
+}
+
+TEST(Untangling, TakesFewRoundsWhereLimbsAreLongAndTellsItsProgress) {
+  const Mesh mesh = limbs(8, 3);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  std::vector<double> reports;  // one a round
+  EXPECT_THROW(untangle(surface, harmonicPositions(surface), std::numeric_limits<int>::max(),
+                        [&](double share) { reports.push_back(share); }),
+               MapError);
+  EXPECT_GT(reports.size(), 3U);
+  EXPECT_LT(reports.size(), 15U);
+  EXPECT_TRUE(std::is_sorted(reports.begin(), reports.end()));
+  EXPECT_GT(reports.back(), 0.5);
+  EXPECT_LE(reports.back(), 1);
+}
+
+TEST(Untangling, GrowsNoFartherThanItMay) {
+  const Mesh mesh = limbs(8, 3);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  const Points positions = harmonicPositions(surface);  // no local repair helps
+  for (const int rings : {0, 1, 2, 3, 4}) {
+    int rounds = 0;
+    EXPECT_THROW(untangle(surface, positions, rings, [&](double) { ++rounds; }), MapError);
+    EXPECT_EQ(rounds, rings);
+  }
 }
 
 TEST(Untangling, MendsScatteredFlips) {

@@ -31,10 +31,12 @@ RootMapResult mapFrom(InitialMap start, const ClosedSurface& surface, double are
     return {
         MappedSurface(surface, std::move(result.positions)), start, result.levels, 0, result.steps, ""};
   }
-  const Untangled initial =
-      untangle(surface, start == InitialMap::Brechbuehler ? brechbuehlerPositions(surface)
-                                                          : harmonicPositions(surface));
   constexpr double startsShare = 0.15;  // of the time
+  const Untangled initial =
+      untangle(surface,
+               start == InitialMap::Brechbuehler ? brechbuehlerPositions(surface)
+                                                 : harmonicPositions(surface),
+               std::numeric_limits<int>::max(), part(progress, 0, startsShare));
   AreaPreservingResult result =
       makeAreaPreserving(initial.map, {areaWeight}, part(progress, startsShare, 1), &pool);
   return {std::move(result.map), start, 1, initial.repairedFaces, result.steps, ""};

@@ -28,37 +28,82 @@ bool isFlipped(const ClosedSurface& surface, const Points& positions, int f) {
   return !(solidAngle(at(0), at(1), at(2)) >= minSolidAngle);  // true for NaN
 }
 
-/// The vertices of flipped faces and of `rings` rings around them.
-std::vector<char> verticesToFree(const ClosedSurface& surface, const Points& positions, int rings) {
-  std::vector<char> free(static_cast<size_t>(surface.vertexCount()), 0);
-  std::vector<int> front, next;
-  const auto add = [&](int v, std::vector<int>& to) {
-    if (free[v]) return;
-    free[v] = 1;
-    to.push_back(v);
-  };
-  for (int f = 0; f < surface.faceCount(); ++f)
-    if (isFlipped(surface, positions, f))
-      for (int k = 0; k < 3; ++k) add(surface.faces()(f, k), front);
-  for (int ring = 0; ring < rings; ++ring) {
-    next.clear();
-    for (int v : front)
-      for (int w : surface.ring(v)) add(w, next);
-    front.swap(next);
+/// The flipped faces, and what lies around them. Keeps its marks from round to round, so that a
+/// round costs what it frees and not what the mesh has.
+class FlippedRegion {
+ public:
+  FlippedRegion(const ClosedSurface& surface, const Points& positions)
+      : surface_(surface),
+        positions_(positions),
+        index_(static_cast<size_t>(surface.vertexCount()), -1) {
+    for (int f = 0; f < surface.faceCount(); ++f)
+      if (isFlipped(surface, positions, f)) flipped_.push_back(f);
   }
-  return free;
-}
+
+  /// Frees the vertices of flipped faces and of `rings` rings around them, fewer where some vertex
+  /// would not stay. False where even without a ring none stays.
+  bool free(int rings) {
+    for (int v : free_) index_[v] = -1;
+    free_.clear();
+    rings_ = 0;
+    const auto all = static_cast<size_t>(surface_.vertexCount());
+    const auto add = [&](int v) {
+      if (index_[v] >= 0) return;
+      index_[v] = 0;
+      free_.push_back(v);
+    };
+    for (int f : flipped_)
+      for (int k = 0; k < 3; ++k) add(surface_.faces()(f, k));
+    if (free_.size() == all) return false;
+    for (size_t begin = 0; rings_ < rings; ++rings_) {
+      const size_t end = free_.size();
+      for (size_t i = begin; i < end; ++i)
+        for (int w : surface_.ring(free_[i])) add(w);
+      begin = end;
+      if (free_.size() < all) continue;
+      for (size_t i = end; i < all; ++i) index_[free_[i]] = -1;
+      free_.resize(end);
+      break;
+    }
+    std::sort(free_.begin(), free_.end());
+    for (size_t i = 0; i < free_.size(); ++i) index_[free_[i]] = static_cast<int>(i);
+    return true;
+  }
+
+  /// After free vertices moved: only faces at these can have changed.
+  void lookAgain() {
+    flipped_.clear();
+    for (int v : free_)
+      for (int h : surface_.outgoing(v)) {
+        const int f = h / 3;
+        // Once, at its first free vertex.
+        bool first = true;
+        for (int k = 0; k < 3; ++k) {
+          const int w = surface_.faces()(f, k);
+          first = first && (index_[w] < 0 || index_[w] >= index_[v]);
+        }
+        if (first && isFlipped(surface_, positions_, f)) flipped_.push_back(f);
+      }
+  }
+
+  bool empty() const { return flipped_.empty(); }
+  const std::vector<int>& freeVertices() const { return free_; }  ///< ascending
+  int rings() const { return rings_; }                            ///< that were freed
+  /// The place of a vertex among those that are free; -1 where it is not.
+  int index(int v) const { return index_[v]; }
+
+ private:
+  const ClosedSurface& surface_;
+  const Points& positions_;
+  std::vector<int> index_, free_, flipped_;
+  int rings_ = 0;
+};
 
 /// Tutte's system: every free vertex at the weighted mean of its neighbours, the others fixed; then
 /// back on the sphere.
-void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& free, double shortest,
+void solveFreeVertices(const ClosedSurface& surface, const FlippedRegion& region, double shortest,
                        Points& positions) {
-  std::vector<int> index(free.size(), -1), vertex;
-  for (int v = 0; v < surface.vertexCount(); ++v)
-    if (free[v]) {
-      index[v] = static_cast<int>(vertex.size());
-      vertex.push_back(v);
-    }
+  const std::vector<int>& vertex = region.freeVertices();
   const auto count = static_cast<Eigen::Index>(vertex.size());
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(count, 3);
@@ -68,8 +113,8 @@ void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& fr
     for (int w : surface.ring(v)) {
       const double weight = 1 / std::max((surface.vertex(v) - surface.vertex(w)).norm(), shortest);
       sum += weight;
-      if (free[w])
-        entries.emplace_back(i, index[w], -weight);
+      if (region.index(w) >= 0)
+        entries.emplace_back(i, region.index(w), -weight);
       else
         right.row(i) += weight * positions.row(w);
     }
@@ -84,6 +129,13 @@ void solveFreeVertices(const ClosedSurface& surface, const std::vector<char>& fr
     const double length = solution.row(i).norm();
     if (length > 1e-12) positions.row(vertex[static_cast<size_t>(i)]) = solution.row(i) / length;
   }
+}
+
+/// The rings of the next round, at most maxRings: one more of a few, half as many again of many.
+int grown(int rings, int maxRings) {
+  constexpr int few = 3;
+  const int more = rings < few ? 1 : (rings + 1) / 2;
+  return more < maxRings - rings ? rings + more : maxRings;
 }
 
 void normalise(Points& positions) {
@@ -101,18 +153,19 @@ int countMoved(const Points& before, const Points& after) {
 
 }  // namespace
 
-Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings) {
+Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings,
+                   const Progress& progress) {
   normalise(positions);
   const Certificate before = certify(surface.faces(), positions);
   const Points original = positions;
   const double shortest = shortestEdge * meanEdgeLength(surface.vertices(), surface.faces());
   // Each round looks afresh which faces are flipped, so what an earlier, smaller ring mended stays
   // as it is.
-  for (int rings = 1;; ++rings) {
-    const std::vector<char> free = verticesToFree(surface, positions, rings);
-    const auto freed = std::count(free.begin(), free.end(), 1);
-    if (freed == 0) break;
-    if (freed == surface.vertexCount() || rings > maxRings) {
+  FlippedRegion region(surface, positions);
+  bool last = maxRings < 1;
+  double share = 0;
+  for (int rings = 1; !region.empty(); rings = grown(rings, maxRings)) {
+    if (last || !region.free(rings)) {
       const Certificate now = certify(surface.faces(), positions);
       throw MapError(
           now.flippedFaces, now.firstFlippedFace,
@@ -122,16 +175,20 @@ Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings)
               std::to_string(now.flippedFaces) + " still are, the first is face " +
               std::to_string(now.firstFlippedFace) + ".");
     }
-    solveFreeVertices(surface, free, shortest, positions);
+    const auto free = static_cast<double>(region.freeVertices().size());
+    report(progress, share = std::max(share, free / surface.vertexCount()));
+    solveFreeVertices(surface, region, shortest, positions);
+    region.lookAgain();
+    last = rings == maxRings || region.rings() < rings;
   }
   const int moved = countMoved(original, positions);
   return {MappedSurface(surface, std::move(positions)), static_cast<int>(before.flippedFaces), moved};
 }
 
-Untangled mend(const ClosedSurface& surface, Points positions) {
+Untangled mend(const ClosedSurface& surface, Points positions, const Progress& progress) {
   normalise(positions);
   try {
-    return untangle(surface, positions, ringsOfALocalRepair);
+    return untangle(surface, positions, ringsOfALocalRepair, progress);
   } catch (const MapError&) {
     MappedSurface map = nearbyMap(surface, positions);
     const int moved = countMoved(positions, map.positions());

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "vcg_ext/base/progress.h"
 #include "vcg_ext/sphere/mapped_surface.h"
 
 namespace sphere_propagation {
@@ -18,17 +19,19 @@ struct Untangled {
 /// Frees the vertices of the flipped faces and a ring of vertices around them, and puts each free
 /// vertex at the mean of its neighbours weighted by 1 / edge length, all others fixed (W. T. Tutte,
 /// How to draw a graph, 1963; the weights are those of the paper's smoothing), then back on the
-/// sphere. Where faces are still flipped the ring grows.
+/// sphere. Where faces are still flipped the ring grows: 1, 2, 3, and then half as many rings again
+/// each time, so that long limbs take few rounds.
 ///
 /// positions: #V by 3, any length but zero (they are normalised first; a zero or non-finite one
-/// counts as free). maxRings: how far the ring may grow. Throws MapError when that does not end in
-/// a valid map: the positions are too far from one.
+/// counts as free). maxRings: how far the ring may grow. progress: the largest share of the
+/// vertices that was free. Throws MapError when that does not end in a valid map: the positions are
+/// too far from one.
 Untangled untangle(const ClosedSurface& surface, Points positions,
-                   int maxRings = std::numeric_limits<int>::max());
+                   int maxRings = std::numeric_limits<int>::max(), const Progress& progress = {});
 
 /// untangle with up to 12 rings; where the folds are no local matter, the map near the positions
 /// that is made from coarse to fine (nearby_map.h), which always is one. Throws MapError when there
 /// is no room for a vertex.
-Untangled mend(const ClosedSurface& surface, Points positions);
+Untangled mend(const ClosedSurface& surface, Points positions, const Progress& progress = {});
 
 }  // namespace sphere_propagation
