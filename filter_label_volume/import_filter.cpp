@@ -22,6 +22,8 @@
 namespace sphere_propagation {
 namespace {
 
+constexpr host::Named<Coordinates> frames[]{{"RAS", Coordinates::Ras}, {"LPS", Coordinates::Lps}};
+
 /// Phases whose surface lacks more than this share of the label's volume are named in the log.
 constexpr double maxLoss = 0.1;
 
@@ -103,7 +105,7 @@ class ImportFilter : public host::Filter {
             help_.parameter("labels", std::string("1")),
             help_.parameter("voxel_size", defaults.interpolation.voxelSize),
             help_.parameter("smoothing", defaults.smoothing),
-            help_.parameter("coordinates", host::Parameter::Choice{{"RAS", "LPS"}, 0}),
+            help_.parameter("coordinates", host::choiceOf(frames, Coordinates::Ras)),
             help_.parameter("fill_holes", defaults.fillHoles),
             help_.parameter("keep_largest_component", defaults.keepLargestComponent),
             help_.parameter("cut_handles", defaults.cutHandles),
@@ -124,8 +126,7 @@ class ImportFilter : public host::Filter {
     const std::string fileName = task.values.file("file_name");
     if (fileName.empty())
       throw ParameterError("file_name is empty: choose the file of a label volume.");
-    const Coordinates coordinates =
-        task.values.choice("coordinates") == 0 ? Coordinates::Ras : Coordinates::Lps;
+    const Coordinates coordinates = task.values.choice("coordinates", frames);
     const bool skip = task.values.flag("skip_incomplete_phases");
     const std::vector<std::string> files =
         task.values.flag("file_series") ? fileSeries(fileName) : std::vector<std::string>{fileName};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // "Colour by spherical parameterisation": the same place has the same colour on every layer.
 
+#include <optional>
 #include <utility>
 
 #include "filter_sphere_propagation/filters.h"
@@ -13,7 +14,12 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int areaRatioPattern = 3;  // behind those of SpherePattern
+/// What is drawn; nothing: the area ratio.
+using Pattern = std::optional<SpherePattern>;
+constexpr host::Named<Pattern> patterns[]{{"Checkerboard", SpherePattern::Checkerboard},
+                                          {"Latitude and longitude", SpherePattern::Graticule},
+                                          {"Direction", SpherePattern::Direction},
+                                          {"Area ratio", std::nullopt}};
 
 /// A layer whose vertices have places on the sphere.
 struct PlacedLayer {
@@ -33,22 +39,20 @@ class ColorFilter : public host::Filter {
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {help_.parameter(
-                "pattern",
-                host::Parameter::Choice{
-                    {"Checkerboard", "Latitude and longitude", "Direction", "Area ratio"}, 0}),
+    return {help_.parameter("pattern",
+                            host::choiceOf(patterns, Pattern(SpherePatternParameters{}.pattern))),
             help_.parameter("cells", SpherePatternParameters{}.cells),
             help_.parameter("area_ratio_limit", 2.0), help_.parameter("store_area_ratio", false),
             help_.parameter("landmark_layers", true)};
   }
 
   host::Outputs run(host::Task& task) const override {
-    const int pattern = task.values.choice("pattern");
+    const Pattern pattern = task.values.choice("pattern", patterns);
     const double limit = task.values.real("area_ratio_limit");
     SpherePatternParameters parameters;
     parameters.cells = task.values.integer("cells");
-    if (pattern != areaRatioPattern) parameters.pattern = static_cast<SpherePattern>(pattern);
-    const bool storeRatio = pattern == areaRatioPattern || task.values.flag("store_area_ratio");
+    if (pattern) parameters.pattern = *pattern;
+    const bool storeRatio = !pattern || task.values.flag("store_area_ratio");
 
     const std::vector<PlacedLayer> layers = placedLayers(task, task.values.flag("landmark_layers"));
     int colored = 0;
@@ -59,17 +63,16 @@ class ColorFilter : public host::Filter {
         task.changes.setQuality(layer, mesh, ratios, areaRatios(*source, positions));
         task.log(layer.label() + ": area ratio " + shortNumber(ratios.minCoeff()) + " to " +
                  shortNumber(ratios.maxCoeff()));
-        if (pattern == areaRatioPattern)
-          task.changes.setColors(layer, mesh, areaRatioColors(ratios, limit));
+        if (!pattern) task.changes.setColors(layer, mesh, areaRatioColors(ratios, limit));
       }
-      if (pattern != areaRatioPattern)
+      if (pattern)
         task.changes.setColors(
             layer, mesh,
             sphereColors(positions, sphereSpacing(positions, mesh.surface.faces()), parameters));
       if (source == nullptr && storeRatio)
         task.log(layer.label() +
                  ": the surface of this sphere is not visible, so it has no area ratio");
-      if (source != nullptr || pattern != areaRatioPattern) ++colored;
+      if (source != nullptr || pattern) ++colored;
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
     if (colored == 0)

@@ -11,6 +11,9 @@
 namespace sphere_propagation {
 namespace {
 
+constexpr host::Named<PhantomParameters::Part> parts[]{{"Cavity", PhantomParameters::Part::Cavity},
+                                                       {"Wall", PhantomParameters::Part::Wall}};
+
 class PhantomFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -19,7 +22,7 @@ class PhantomFilter : public host::Filter {
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const PhantomParameters defaults;
-    return {help_.parameter("part", host::Parameter::Choice{{"Cavity", "Wall"}, 0}),
+    return {help_.parameter("part", host::choiceOf(parts, defaults.part)),
             help_.parameter("phases", defaults.phases),
             help_.parameter("voxel_size", defaults.voxelSize),
             help_.parameter("twist", defaults.twist), help_.parameter("seed", 0)};
@@ -28,8 +31,8 @@ class PhantomFilter : public host::Filter {
   host::Outputs run(host::Task& task) const override {
     const Stopwatch stopwatch;
     PhantomParameters parameters;
-    const bool wall = task.values.choice("part") == 1;
-    parameters.part = wall ? PhantomParameters::Part::Wall : PhantomParameters::Part::Cavity;
+    parameters.part = task.values.choice("part", parts);
+    const bool wall = parameters.part == PhantomParameters::Part::Wall;
     parameters.phases = task.values.integer("phases");
     parameters.voxelSize = task.values.real("voxel_size");
     parameters.twist = task.values.real("twist");

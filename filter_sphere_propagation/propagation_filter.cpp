@@ -24,7 +24,15 @@ namespace {
 /// Layers whose sizes differ more than this are named in the log.
 constexpr double differentSize = 3;
 
+constexpr host::Named<PropagationMethod> methods[]{
+    {"Robust", PropagationMethod::Robust}, {"As published", PropagationMethod::AsPublished}};
+
 using Order = PropagationOrder::Kind;
+constexpr host::Named<Order> orders[]{{"Time", Order::Time},
+                                      {"Cyclic time", Order::CyclicTime},
+                                      {"Similarity tree", Order::SimilarityTree},
+                                      {"Star", Order::Star},
+                                      {"Given", Order::Given}};
 
 /// "1, 2; -1 2": whole numbers between commas, semicolons and blanks.
 std::vector<int> parseNumbers(const std::string& text) {
@@ -112,10 +120,8 @@ class PropagationFilter : public host::Filter {
     host::Parameter root = help_.parameter("root_layer", host::Parameter::LayerId{rootId});
     root.help += " " + largest.help();
     return {std::move(root).withNote(largest.note(rootId)),
-            help_.parameter("method", host::Parameter::Choice{{"Robust", "As published"}, 0}),
-            help_.parameter("order",
-                            host::Parameter::Choice{
-                                {"Time", "Cyclic time", "Similarity tree", "Star", "Given"}, 0}),
+            help_.parameter("method", host::choiceOf(methods, PropagationParameters{}.method)),
+            help_.parameter("order", host::choiceOf(orders, PropagationOrder{}.kind)),
             help_.parameter("parents", std::string()),
             help_.parameter("area_restoration", 0.0),
             help_.parameter("residual_quality", false),
@@ -130,7 +136,7 @@ class PropagationFilter : public host::Filter {
     const PropagationParameters asked = readParameters(task.values);
     Participants participants = readParticipants(task);
     const MappedSurface rootMap = readRoot(participants);
-    PropagationOrder order{static_cast<Order>(task.values.choice("order"))};
+    PropagationOrder order{task.values.choice("order", orders)};
     if (order.kind == Order::Given)
       order.parents = placesOfParents(participants, task.values.text("parents"));
     else if (!task.values.text("parents").empty())
@@ -187,8 +193,7 @@ class PropagationFilter : public host::Filter {
  private:
   static PropagationParameters readParameters(const host::ParameterValues& values) {
     PropagationParameters parameters;
-    parameters.method =
-        values.choice("method") == 1 ? PropagationMethod::AsPublished : PropagationMethod::Robust;
+    parameters.method = values.choice("method", methods);
     parameters.areaRestoration = values.real("area_restoration");
     parameters.published.anisotropicScaling = values.flag("anisotropic_scaling");
     parameters.published.icpIterations = values.integer("icp_iterations");

@@ -55,16 +55,17 @@ class RemeshingFilter : public host::Filter {
   }
 
   host::Outputs run(host::Task& task) const override {
+    const int frequency = task.values.integer("frequency");
+    requireIcosphereFrequency(frequency);
     const int threads = task.values.integer("threads");
     if (threads < 0)
       throw ParameterError("The number of threads must not be negative; it is " +
                            std::to_string(threads) + ".");
     ThreadPool pool(threads);
     const std::vector<MappedLayer> layers = mappedLayers(task, &pool);
-    const int frequency = task.values.integer("frequency");
     const long landmarks = 10L * frequency * frequency + 2;
     const long affordable = maxLandmarks / static_cast<long>(layers.size());
-    if (frequency >= 1 && frequency <= maxIcosphereFrequency && landmarks > affordable)
+    if (landmarks > affordable)
       throw ParameterError(
           "Frequency " + std::to_string(frequency) + " on " +
           counted(static_cast<long>(layers.size()), "layer", "layers") + " makes " +

@@ -11,6 +11,10 @@
 namespace sphere_propagation {
 namespace {
 
+constexpr host::Named<InitialMap> initialMaps[]{{"Automatic", InitialMap::Automatic},
+                                                {"Brechbuehler", InitialMap::Brechbuehler},
+                                                {"Harmonic", InitialMap::Harmonic}};
+
 class RootFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -18,18 +22,17 @@ class RootFilter : public host::Filter {
   }
 
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
-    return {help_
-                .parameter("initial_map",
-                           host::Parameter::Choice{{"Automatic", "Brechbuehler", "Harmonic"}, 0})
-                .withNote(sizeNote(layers)),
-            help_.parameter("area_weight", RootMapParameters{}.areaWeight),
-            help_.parameter("threads", RootMapParameters{}.threads).asAdvanced()};
+    return {
+        help_.parameter("initial_map", host::choiceOf(initialMaps, RootMapParameters{}.initialMap))
+            .withNote(sizeNote(layers)),
+        help_.parameter("area_weight", RootMapParameters{}.areaWeight),
+        help_.parameter("threads", RootMapParameters{}.threads).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
     const Stopwatch stopwatch;
     RootMapParameters parameters;
-    parameters.initialMap = static_cast<InitialMap>(task.values.choice("initial_map"));
+    parameters.initialMap = task.values.choice("initial_map", initialMaps);
     parameters.areaWeight = task.values.real("area_weight");
     parameters.threads = task.values.integer("threads");
     const host::Layer layer = task.layers.current();

@@ -21,6 +21,9 @@
 namespace sphere_propagation {
 namespace {
 
+constexpr host::Named<Alignment> alignments[]{
+    {"Similarity", Alignment::Similarity}, {"Rigid", Alignment::Rigid}, {"None", Alignment::None}};
+
 /// Landmark layers in the order of the surfaces that they were made of, which is time order,
 /// wherever they are in the list themselves; those whose surface is not there come last.
 std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
@@ -123,7 +126,7 @@ class ShapeModelFilter : public host::Filter {
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const ModelMeasureParameters measures;
     return {
-        help_.parameter("alignment", host::Parameter::Choice{{"Similarity", "Rigid", "None"}, 0}),
+        help_.parameter("alignment", host::choiceOf(alignments, ProcrustesParameters{}.alignment)),
         help_.parameter("modes", 0),
         help_.parameter("standard_deviations", 3.0),
         help_.parameter("mode_layers", 3),
@@ -158,7 +161,7 @@ class ShapeModelFilter : public host::Filter {
       throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
     measureParameters.seed = static_cast<unsigned>(seed);
     ProcrustesParameters procrustes;
-    procrustes.alignment = static_cast<Alignment>(task.values.choice("alignment"));
+    procrustes.alignment = task.values.choice("alignment", alignments);
     procrustes.areaWeights = task.values.flag("area_weights");
     const std::string file = task.values.newFile("export_file");
     if (!file.empty()) requireExportable(file);

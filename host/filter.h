@@ -55,8 +55,8 @@ class Filter {
  public:
   virtual ~Filter() = default;
   virtual FilterDescription describe() const = 0;
-  /// Called when the dialog opens and once when the plugin is loaded, on a document with one cube:
-  /// quick, assumes nothing.
+  /// Called when the dialog opens (not when the filter runs) and once when the plugin is loaded, on
+  /// a document with one cube: quick, assumes nothing.
   virtual std::vector<Parameter> parameters(const Layers& layers) const = 0;
   /// Throws Error (vcg_ext/base/error.h) with a text for the user.
   virtual Outputs run(Task& task) const = 0;

@@ -40,8 +40,7 @@ void add(RichParameterList& list, const Parameter& parameter, const MeshDocument
 
 class RichValues : public ParameterValues {
  public:
-  RichValues(const RichParameterList& list, std::vector<Parameter> parameters)
-      : list_(list), parameters_(std::move(parameters)) {}
+  explicit RichValues(const RichParameterList& list) : list_(list) {}
   bool flag(const std::string& name) const override { return list_.getBool(qt(name)); }
   int integer(const std::string& name) const override { return list_.getInt(qt(name)); }
   double real(const std::string& name) const override {
@@ -50,12 +49,7 @@ class RichValues : public ParameterValues {
   std::string text(const std::string& name) const override {
     return list_.getString(qt(name)).toStdString();
   }
-  int choice(const std::string& name) const override {
-    const int chosen = list_.getEnum(qt(name));
-    for (const Parameter& p : parameters_)
-      if (p.name == name) requireChoice(p, chosen);
-    return chosen;
-  }
+  int index(const std::string& name) const override { return list_.getEnum(qt(name)); }
   int layerId(const std::string& name) const override { return chosenLayerId(list_, name); }
   std::string file(const std::string& name) const override {
     return list_.getOpenFileName(qt(name)).toStdString();
@@ -65,16 +59,7 @@ class RichValues : public ParameterValues {
   }
 
  private:
-  // A filter script may hold any number.
-  static void requireChoice(const Parameter& p, int chosen) {
-    const auto last = static_cast<int>(std::get<Parameter::Choice>(p.value).names.size()) - 1;
-    if (chosen < 0 || chosen > last)
-      throw ParameterError(p.name + " is " + std::to_string(chosen) + ", but must be 0 to " +
-                           std::to_string(last) + ".");
-  }
-
   const RichParameterList& list_;
-  std::vector<Parameter> parameters_;
 };
 
 /// Calls MeshLab's callback when the percentage changes, and never backwards.
@@ -126,7 +111,7 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const Filter& filter = *filters_.at(static_cast<size_t>(index));
     Changes changes(document);
     const Layers layers(document);
-    const RichValues richValues(values, filter.parameters(layers));
+    const RichValues richValues(values);
     Task task{layers, richValues, changes, log, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
     report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab

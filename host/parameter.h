@@ -2,10 +2,13 @@
 #pragma once
 /// The parameters of a filter, in no host's words.
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "vcg_ext/base/error.h"
 
 namespace sphere_propagation::host {
 
@@ -49,6 +52,27 @@ struct Parameter {
   }
 };
 
+/// A value of an enum, and what dialog and scripts call it. One list of these per parameter is the
+/// only place that says which name means what, whatever the order of the enum:
+///   constexpr host::Named<Alignment> alignments[]{{"Rigid", Alignment::Rigid}, ...};
+/// A list's order is that of the numbers in filter scripts: it must not change.
+template <class Enum>
+struct Named {
+  const char* name;
+  Enum value;
+};
+
+/// The parameter's default.
+template <class Enum, size_t N>
+Parameter::Choice choiceOf(const Named<Enum> (&all)[N], const Enum& chosen) {
+  Parameter::Choice choice;
+  for (size_t i = 0; i < N; ++i) {
+    choice.names.emplace_back(all[i].name);
+    if (all[i].value == chosen) choice.chosen = static_cast<int>(i);
+  }
+  return choice;
+}
+
 /// What the user chose.
 class ParameterValues {
  public:
@@ -57,10 +81,22 @@ class ParameterValues {
   virtual int integer(const std::string& name) const = 0;
   virtual double real(const std::string& name) const = 0;
   virtual std::string text(const std::string& name) const = 0;
-  virtual int choice(const std::string& name) const = 0;  ///< index into Choice::names
+  /// The index into Choice::names, or any other number: a filter script may hold what it likes.
+  virtual int index(const std::string& name) const = 0;
   virtual int layerId(const std::string& name) const = 0;
   virtual std::string file(const std::string& name) const = 0;     ///< a path; empty: none chosen
   virtual std::string newFile(const std::string& name) const = 0;  ///< a path; empty: none
+
+  /// The value chosen from the list that the parameter was made of. Throws ParameterError when it
+  /// is none of them.
+  template <class Enum, size_t N>
+  Enum choice(const std::string& name, const Named<Enum> (&all)[N]) const {
+    const int chosen = index(name);
+    if (chosen < 0 || static_cast<size_t>(chosen) >= N)
+      throw ParameterError(name + " is " + std::to_string(chosen) + ", but must be 0 to " +
+                           std::to_string(N - 1) + ".");
+    return all[chosen].value;
+  }
 };
 
 }  // namespace sphere_propagation::host

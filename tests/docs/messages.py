@@ -23,6 +23,7 @@ DESCRIPTIONS = (
     "parameters(const host::Layers& layers) const override {",
     "parameters(const host::Layers&) const override {",
     "::describe() const {",
+    "patterns[]{",  # what the dialog calls them
 )
 IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
 

@@ -115,7 +115,7 @@ Triangles makeFaces(int f) {
 
 }  // namespace
 
-Icosphere icosphere(int frequency) {
+void requireIcosphereFrequency(int frequency) {
   if (frequency < 1)
     throw ParameterError("The frequency of an icosphere must be at least 1, not " +
                          std::to_string(frequency) + ".");
@@ -128,6 +128,10 @@ Icosphere icosphere(int frequency) {
                          " MB for each surface; the largest frequency is " +
                          std::to_string(maxIcosphereFrequency) + ".");
   }
+}
+
+Icosphere icosphere(int frequency) {
+  requireIcosphereFrequency(frequency);
   return {makeVertices(frequency), makeFaces(frequency)};
 }
 

@@ -18,6 +18,10 @@ struct Icosphere {
 /// The largest frequency: 10 million vertices.
 constexpr int maxIcosphereFrequency = 1000;
 
+/// Throws ParameterError unless the frequency is 1 to maxIcosphereFrequency; beyond, the text names
+/// the memory that it would take.
+void requireIcosphereFrequency(int frequency);
+
 /// The unit icosahedron with every edge split into `frequency` equal parts, its faces into
 /// frequency^2 triangles, and the new vertices moved to the sphere along their radius.
 ///
@@ -31,8 +35,8 @@ constexpr int maxIcosphereFrequency = 1000;
 /// Nested: place s of row r of icosphere(f) is place k s of row k r of icosphere(k f).
 /// The same bit for bit on every machine (square roots and sums only).
 ///
-/// frequency: 1 to maxIcosphereFrequency; 10 gives the paper's 1002 vertices.
-/// Throws ParameterError beyond, which names the memory that it would take.
+/// frequency: 1 to maxIcosphereFrequency; 10 gives the paper's 1002 vertices. Throws as
+/// requireIcosphereFrequency.
 Icosphere icosphere(int frequency);
 
 /// The frequency whose icosphere has this number of vertices and exactly this face list, if there
