@@ -44,47 +44,55 @@ std::string seriesName(const std::vector<std::string>& files) {
   return first.substr(0, begin) + "#" + first.substr(first.size() - end);
 }
 
-bool contains(const std::vector<int>& numbers, int number) {
-  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
-}
-
 }  // namespace
 
 EarlierImports::EarlierImports(const host::Layers& layers, const std::vector<std::string>& files,
                                std::string labelText)
-    : surfaces_(layers.all(host::LayerKind::Surface)), labelText_(std::move(labelText)) {
+    : labelText_(std::move(labelText)) {
   for (const std::string& file : files) {
-    stems_.push_back(stemOf(file));
+    stems_.insert(stemOf(file));
     fileMarks_.push_back(fingerprintOf(fullPath(file).u8string()));
   }
   if (files.size() > 1) series_ = fingerprintOf(seriesName(files));
+  const std::set<int> marks(fileMarks_.begin(), fileMarks_.end());
+  for (const host::Layer& layer : layers.all(host::LayerKind::Surface)) {
+    Found found{layer, layer.plainLabel(), layer.mark(fileMark)};
+    found.ofThisImport = (found.file && marks.count(*found.file) > 0) ||
+                         (series_ && layer.mark(seriesMark) == series_);
+    called_[found.label].push_back(surfaces_.size());
+    surfaces_.push_back(std::move(found));
+  }
   suffix_ = chooseSuffix(fullPath(files.front()).parent_path().filename().u8string());
 }
 
-bool EarlierImports::ofThisImport(const host::Layer& layer) const {
-  const std::optional<int> file = layer.mark(fileMark), series = layer.mark(seriesMark);
-  return (file && contains(fileMarks_, *file)) || (series_ && series == series_);
-}
-
-bool EarlierImports::beginsWith(const host::Layer& layer, const std::string& suffix) const {
-  const std::string label = layer.plainLabel();
-  return std::any_of(stems_.begin(), stems_.end(), [&](const std::string& stem) {
-    return label.rfind(stem + suffix + " label ", 0) == 0;
-  });
-}
-
 std::string EarlierImports::chooseSuffix(const std::string& folder) const {
-  std::vector<std::string> candidates{
-      "", " (" + folder + ")"};  // one more than there are layers that could be in the way
+  // One more than there are layers that could be in the way.
+  std::vector<std::string> candidates{"", " (" + folder + ")"};
   for (size_t number = 2; number <= surfaces_.size() + 1; ++number)
     candidates.push_back(" (" + folder + " " + std::to_string(number) + ")");
+  std::map<std::string, size_t> number;
+  for (size_t i = 0; i < candidates.size(); ++i) number.emplace(candidates[i], i);
   std::vector<bool> taken(candidates.size(), false);
-  for (size_t i = 0; i < candidates.size(); ++i)
-    for (const host::Layer& layer : surfaces_) {
-      if (!layer.mark(fileMark) || !beginsWith(layer, candidates[i])) continue;
-      if (ofThisImport(layer)) return candidates[i];  // as it was called before
-      taken[i] = true;
+  size_t before = candidates.size();  // what this import was called
+  const auto beginsWith = [&](const Found& found, const std::string& stem,
+                              const std::string& suffix) {
+    const auto candidate = number.find(suffix);
+    if (candidate == number.end() || stems_.count(stem) == 0) return;
+    taken[candidate->second] = true;
+    if (found.ofThisImport) before = std::min(before, candidate->second);
+  };
+  for (const Found& found : surfaces_) {
+    if (!found.file) continue;
+    // stem, suffix, " label ...": wherever these may part in the name.
+    for (size_t end = found.label.find(" label "); end != std::string::npos;
+         end = found.label.find(" label ", end + 1)) {
+      const std::string head = found.label.substr(0, end);
+      beginsWith(found, head, "");
+      for (size_t at = head.find(" ("); at != std::string::npos; at = head.find(" (", at + 1))
+        beginsWith(found, head.substr(0, at), head.substr(at));
     }
+  }
+  if (before < candidates.size()) return candidates[before];
   return candidates[static_cast<size_t>(std::find(taken.begin(), taken.end(), false) -
                                         taken.begin())];
 }
@@ -92,35 +100,36 @@ std::string EarlierImports::chooseSuffix(const std::string& folder) const {
 void EarlierImports::place(host::NewLayer& layer, size_t file) {
   layer.marks[fileMark] = fileMarks_[file];
   if (series_) layer.marks[seriesMark] = *series_;
-  const host::Layer* found = nullptr;
-  for (const host::Layer& surface : surfaces_) {
-    if (surface.plainLabel() != layer.label || contains(replaced_, surface.id())) continue;
-    const std::optional<int> mark = surface.mark(fileMark);
-    if (mark && *mark != fileMarks_[file]) continue;
-    if (found == nullptr || (mark && !found->mark(fileMark))) found = &surface;
+  const auto called = called_.find(layer.label);
+  if (called == called_.end()) return;
+  Found* replaced = nullptr;
+  for (const size_t i : called->second) {
+    Found& found = surfaces_[i];
+    if (found.replaced || (found.file && *found.file != fileMarks_[file])) continue;
+    if (replaced == nullptr || (found.file && !replaced->file)) replaced = &found;
   }
-  if (found == nullptr) return;
-  if (!found->mark(fileMark)) ++replacedUnknown_;
-  replaced_.push_back(found->id());
-  layer.replacedId = found->id();
+  if (replaced == nullptr) return;
+  if (!replaced->file) ++replacedUnknown_;
+  replaced->replaced = true;
+  layer.replacedId = replaced->layer.id();
 }
 
 std::vector<host::Layer> EarlierImports::leftOver() const {
-  std::vector<host::Layer> found;
-  for (const host::Layer& layer : surfaces_) {
-    if (contains(replaced_, layer.id()) || !ofThisImport(layer)) continue;
+  std::vector<host::Layer> left;
+  for (const Found& found : surfaces_) {
+    if (found.replaced || !found.ofThisImport) continue;
     // Of these labels, and called as the import calls its layers: "... label 1" or "... label 1
     // phase 07".
-    std::string label = layer.plainLabel();
+    std::string label = found.label;
     const size_t phase = label.rfind(" phase ");
     if (phase != std::string::npos &&
         std::all_of(label.begin() + static_cast<long>(phase) + 7, label.end(), isDigit))
       label.resize(phase);
     if (label.size() > labelText_.size() &&
         label.compare(label.size() - labelText_.size(), labelText_.size(), labelText_) == 0)
-      found.push_back(layer);
+      left.push_back(found.layer);
   }
-  return found;
+  return left;
 }
 
 }  // namespace sphere_propagation

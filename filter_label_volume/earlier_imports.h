@@ -4,7 +4,9 @@
 /// same files are replaced, layers of other files of the same name stay, and those made now get a
 /// name of their own.
 
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,16 +41,21 @@ class EarlierImports {
   std::vector<host::Layer> leftOver() const;
 
  private:
-  bool ofThisImport(const host::Layer& layer) const;
-  bool beginsWith(const host::Layer& layer, const std::string& suffix) const;
+  /// A surface layer, looked at once: marks and labels take a while.
+  struct Found {
+    host::Layer layer;
+    std::string label;
+    std::optional<int> file;
+    bool ofThisImport = false, replaced = false;
+  };
   std::string chooseSuffix(const std::string& folder) const;
 
-  std::vector<host::Layer> surfaces_;
-  std::vector<std::string> stems_;  // of the files
+  std::vector<Found> surfaces_;
+  std::map<std::string, std::vector<size_t>> called_;  // places in surfaces_, by label
+  std::set<std::string> stems_;                        // of the files
   std::vector<int> fileMarks_;
   std::optional<int> series_;
   std::string labelText_, suffix_;
-  std::vector<int> replaced_;  // ids
   long replacedUnknown_ = 0;
 };
 
