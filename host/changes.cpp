@@ -3,11 +3,13 @@
 
 #include <QRegularExpression>
 #include <algorithm>
+#include <new>
 #include <type_traits>
 #include <utility>
 
 #include "host/document.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/fingerprint.h"
 #include "vcg_ext/base/text.h"
 #include "vcg_ext/sphere/repair/float_copy.h"
 #include "vcg_ext/sphere/repair/texture_copy.h"
@@ -22,8 +24,9 @@ Point3m pointm(const Points& points, Eigen::Index row) {
           static_cast<Scalarm>(points(row, 2))};
 }
 
+/// The mesh has the attribute.
 void markMesh(CMeshO& mesh, const std::string& name, int value) {
-  auto handle = Allocator::GetPerVertexAttribute<Scalarm>(mesh, name);
+  auto handle = Allocator::FindPerVertexAttribute<Scalarm>(mesh, name);
   for (size_t v = 0; v < mesh.vert.size(); ++v) handle[v] = static_cast<Scalarm>(value);
 }
 
@@ -41,7 +44,10 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
     auto handle = Allocator::AddPerVertexAttribute<Point3m>(*mesh, name);
     for (int v = 0; v < mesh->vn; ++v) handle[static_cast<size_t>(v)] = pointm(values, v);
   }
-  for (const auto& [name, value] : layer.marks) markMesh(*mesh, name, value);
+  for (const auto& [name, value] : layer.marks) {
+    Allocator::AddPerVertexAttribute<Scalarm>(*mesh, name);
+    markMesh(*mesh, name, value);
+  }
   return mesh;
 }
 
@@ -95,6 +101,28 @@ void mirrorLayer(MeshModel& layer, double plane) {
   layer.setMeshModified();
 }
 
+/// Takes components away, also where making them failed half way.
+void disable(MeshModel& layer, int mask) {
+  if ((mask & MeshModel::MM_VERTTEXCOORD) != 0) layer.cm.vert.DisableTexCoord();
+  if ((mask & MeshModel::MM_VERTMARK) != 0) layer.cm.vert.DisableMark();
+  if ((mask & MeshModel::MM_FACEQUALITY) != 0) layer.cm.face.DisableQuality();
+  layer.clearDataMask(mask);
+}
+
+/// Stands for what is stored, as Layer::mapFingerprint tells it afterwards.
+int fingerprintOf(const std::vector<Point3m>& positions, const std::optional<TextureCopy>& texture,
+                  const Triangles& faces) {
+  Fingerprint fingerprint;
+  for (const Point3m& p : positions)
+    for (int k = 0; k < 3; ++k) fingerprint.add(static_cast<double>(p[k]));
+  if (positions.empty())
+    for (Eigen::Index v = 0; v < texture->coordinates.rows(); ++v)
+      for (int k = 0; k < 2; ++k) fingerprint.add(static_cast<double>(texture->coordinates(v, k)));
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) fingerprint.add(faces(f, k));
+  return fingerprint.short24();
+}
+
 /// A label without the "(1)" that MeshLab appends to the second layer of a name.
 QString withoutNumber(const QString& label) {
   static const QRegularExpression number("\\(\\d+\\)$");
@@ -108,7 +136,7 @@ struct Changes::MapChange {
   std::vector<int> meshVertex;
   std::vector<Point3m> positions;  // empty: they do not hold the map
   std::optional<TextureCopy> texture;
-  std::optional<int> root;  // nothing: the layer itself
+  int root;
 };
 
 struct Changes::MirrorChange {
@@ -147,7 +175,7 @@ Changes::~Changes() = default;
 
 std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
                             const MappedSurface& map, std::optional<int> root) {
-  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(map), root};
+  MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(map), 0};
   int mended = change.texture->mendedVertices;
   const bool textureHoldsIt = change.texture->valid;
   if (!textureHoldsIt) {
@@ -174,6 +202,9 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
                        "\": its map has faces too small for the single precision in which this "
                        "MeshLab stores it. PyMeshLab stores double precision; or make the mesh "
                        "coarser where it is finest (Filters, Remeshing).");
+  // What stands for a map stands for what is stored, so that it can be told again from the layer.
+  change.root =
+      root ? *root : fingerprintOf(change.positions, change.texture, surface.surface.faces());
   maps_.push_back(std::move(change));
   const std::string name = "Layer \"" + layer.label() + "\": ";
   if (!textureHoldsIt)
@@ -234,7 +265,116 @@ void Changes::removeOtherLayers(LayerKind kind) {
   }
 }
 
+/// All of a commit that takes memory; taken back unless it is kept.
+class Changes::Preparation {
+ public:
+  explicit Preparation(Changes& changes)
+      : changes_(changes),
+        document_(changes.document_),
+        current_(document_.mm() != nullptr ? document_.mm()->id() : -1) {
+    made_.reserve(2 * changes.maps_.size() + changes.marks_.size());
+    enabled_.reserve(changes.maps_.size() + changes.qualities_.size());
+    written_.reserve(changes.layers_.size());
+  }
+  ~Preparation() {
+    if (!kept_) takeBack();
+  }
+  Preparation(const Preparation&) = delete;
+  Preparation& operator=(const Preparation&) = delete;
+
+  void makeRoom() {
+    for (const MapChange& change : changes_.maps_) {
+      MeshModel& mesh = layer(change.layerId);
+      if (!change.positions.empty()) make<Point3m>(mesh, spherePositionAttribute);
+      make<Scalarm>(mesh, rootMark);
+      if (!change.texture) continue;
+      willEnable(mesh, MeshModel::MM_VERTTEXCOORD | MeshModel::MM_VERTMARK);
+      enableTextureCoordinates(mesh);
+    }
+    for (const MarkChange& change : changes_.marks_)
+      make<Scalarm>(layer(change.layerId), change.name);
+    for (const QualityChange& change : changes_.qualities_) {
+      if (!change.ofFaces) continue;
+      MeshModel& mesh = layer(change.layerId);
+      willEnable(mesh, MeshModel::MM_FACEQUALITY);
+      mesh.updateDataMask(MeshModel::MM_FACEQUALITY);
+    }
+  }
+
+  void writeLayers() {
+    for (LayerChange& change : changes_.layers_) {
+      const bool isNew = change.replacedId < 0;
+      MeshModel& mesh =
+          isNew ? *document_.addNewMesh("", qt(change.label), false) : layer(change.replacedId);
+      written_.push_back({&mesh, isNew, {}});
+      written_.back().former = replaceMesh(mesh, std::move(change.mesh));
+    }
+  }
+
+  /// The layers that were written, in the order of the changes.
+  MeshModel& written(size_t i) const { return *written_[i].layer; }
+  void keep() { kept_ = true; }
+
+ private:
+  struct Made {
+    MeshModel* layer;
+    std::string attribute;
+  };
+  struct Enabled {
+    MeshModel* layer;
+    int mask;
+  };
+  struct Written {
+    MeshModel* layer;
+    bool isNew;
+    FormerMesh former;
+  };
+
+  MeshModel& layer(int id) const { return *document_.getMesh(static_cast<unsigned int>(id)); }
+
+  template <class Value>
+  void make(MeshModel& mesh, const std::string& name) {
+    if (Allocator::IsValidHandle(mesh.cm, Allocator::FindPerVertexAttribute<Value>(mesh.cm, name)))
+      return;
+    made_.push_back({&mesh, name});
+    Allocator::AddPerVertexAttribute<Value>(mesh.cm, name);
+  }
+
+  void willEnable(MeshModel& mesh, int mask) {
+    enabled_.push_back({&mesh, mask & ~mesh.dataMask()});
+  }
+
+  void takeBack() {
+    for (auto w = written_.rbegin(); w != written_.rend(); ++w) {
+      if (w->isNew) {
+        host::removeLayer(document_, w->layer->id());
+      } else if (w->former.mesh) {
+        try {
+          restoreMesh(*w->layer, std::move(w->former));
+        } catch (const std::bad_alloc&) {  // 2020.09 alone: the others come first
+        }
+      }
+    }
+    for (const Enabled& e : enabled_) disable(*e.layer, e.mask);
+    for (const Made& m : made_) Allocator::DeletePerVertexAttribute(m.layer->cm, m.attribute);
+    if (Layers(document_).find(current_)) document_.setCurrentMesh(current_);
+  }
+
+  Changes& changes_;
+  MeshDocument& document_;
+  int current_;
+  std::vector<Made> made_;
+  std::vector<Enabled> enabled_;
+  std::vector<Written> written_;
+  bool kept_ = false;
+};
+
 int Changes::commit() {
+  Preparation preparation(*this);
+  preparation.makeRoom();
+  preparation.writeLayers();
+  preparation.keep();
+  // Nothing from here on takes memory.
   int changed = MeshModel::MM_NONE;
   for (const MirrorChange& change : mirrors_) {
     mirrorLayer(*document_.getMesh(static_cast<unsigned int>(change.layerId)), change.plane);
@@ -246,12 +386,11 @@ int Changes::commit() {
       Allocator::DeletePerVertexAttribute(
           mesh.cm, spherePositionAttribute);  // it would be that of an earlier map
     } else {
-      auto handle = Allocator::GetPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
+      auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh.cm, spherePositionAttribute);
       for (size_t v = 0; v < change.meshVertex.size(); ++v)
         handle[static_cast<size_t>(change.meshVertex[v])] = change.positions[v];
     }
     if (change.texture) {
-      enableTextureCoordinates(mesh);
       for (size_t v = 0; v < change.meshVertex.size(); ++v) {
         auto& t = mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].T();
         t.U() = change.texture->coordinates(static_cast<Eigen::Index>(v), 0);
@@ -261,9 +400,7 @@ int Changes::commit() {
     } else if (mesh.hasDataMask(MeshModel::MM_VERTTEXCOORD)) {
       mesh.clearDataMask(MeshModel::MM_VERTTEXCOORD);  // they would be those of an earlier map
     }
-    // What stands for a map stands for what is stored, so that it can be told again from the layer.
-    if (const auto root = change.root ? change.root : Layer(mesh).mapFingerprint())
-      markMesh(mesh.cm, rootMark, *root);
+    markMesh(mesh.cm, rootMark, change.root);
     mesh.setMeshModified();
     changed |= MeshModel::MM_VERTTEXCOORD;
   }
@@ -289,7 +426,6 @@ int Changes::commit() {
           static_cast<Scalarm>(change.ofVertices[static_cast<Eigen::Index>(v)]);
     changed |= MeshModel::MM_VERTQUALITY;
     if (change.ofFaces) {
-      mesh.updateDataMask(MeshModel::MM_FACEQUALITY);
       Eigen::Index row =
           0;  // a surface's faces are the mesh's that are not deleted, in their order
       for (CFaceO& face : mesh.cm.face)
@@ -298,20 +434,15 @@ int Changes::commit() {
     }
     mesh.setMeshModified();
   }
-  bool first = true;
-  for (LayerChange& change : layers_) {
-    MeshModel* mesh = change.replacedId >= 0
-                          ? document_.getMesh(static_cast<unsigned int>(change.replacedId))
-                          : document_.addNewMesh("", qt(change.label), false);
-    replaceMesh(*mesh, std::move(*change.mesh));
-    setMatrix(mesh->cm, change.matrix);
-    mesh->setMeshModified();
-    if (first && (firstBecomesCurrent_ || document_.mm() == nullptr))
-      document_.setCurrentMesh(mesh->id());
-    first = false;
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    MeshModel& mesh = preparation.written(i);
+    setMatrix(mesh.cm, layers_[i].matrix);
+    mesh.setMeshModified();
+    if (i == 0 && (firstBecomesCurrent_ || document_.mm() == nullptr))
+      document_.setCurrentMesh(mesh.id());
     // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers
     // stayed the same.
-    if (change.replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
+    if (layers_[i].replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
   }
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
   for (const int id : removedIds_) host::removeLayer(document_, id);

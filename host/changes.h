@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What a filter wants to write. Collected while it computes, written in one go when nothing can
-/// fail any more: a filter that throws leaves the document exactly as it was.
+/// What a filter wants to write. Collected while it computes, and written in one go: a filter that
+/// throws leaves the document exactly as it was.
+///
+/// Writing takes memory. All of what takes some comes first (attributes, texture coordinates, new
+/// layers, the new content of old ones) and is taken back where it runs out; what is written then
+/// cannot fail. Beyond our reach is what MeshLab allocates itself, its windows when layers come and
+/// go and its copy of what a filter returns; and in 2020.09, where a mesh can only be copied, the
+/// content of a layer that was to be replaced is lost where memory does not suffice to put it back.
 
 #include <map>
 #include <memory>
@@ -83,10 +89,12 @@ class Changes {
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
 
   /// Writes everything. Called once, by the plugin, after the filter has returned. Returns what was
-  /// changed on layers, as a mask of the host's.
+  /// changed on layers, as a mask of the host's. Throws std::bad_alloc, with the document as it
+  /// was, when memory runs out.
   int commit();
 
  private:
+  class Preparation;
   struct MapChange;
   struct MirrorChange;
   struct ColorChange;

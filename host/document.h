@@ -16,6 +16,7 @@ using RichFileSave = RichSaveFile;
 #include <common/mlexception.h>
 
 #include <cstring>  // callback.h of 2020.09 lacks it
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,10 +63,20 @@ std::optional<Eigen::VectorXd> copyScalarAttribute(Mesh& mesh, const std::string
   return values;
 }
 
+/// What a layer held before.
+struct FormerMesh {
+  std::unique_ptr<CMeshO> mesh;
+  int dataMask = 0;
+};
+
 /// Makes a layer hold what `mesh` holds (vertices, faces, colours, point and scalar attributes) and
 /// nothing else, and updates normals, box and data mask. The layer's matrix, label and visibility
-/// stay.
-void replaceMesh(MeshModel& layer, CMeshO&& mesh);
+/// stay. Where memory runs out the layer is as it was (in 2020.09, whose meshes can only be copied,
+/// as far as there is memory to copy back), and std::bad_alloc is thrown.
+FormerMesh replaceMesh(MeshModel& layer, std::unique_ptr<CMeshO> mesh);
+
+/// Puts back what replaceMesh returned.
+void restoreMesh(MeshModel& layer, FormerMesh former);
 
 /// After vertices were moved or faces turned.
 void updateBoxAndNormals(MeshModel& layer);

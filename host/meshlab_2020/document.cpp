@@ -2,6 +2,7 @@
 #include "host/document.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sphere_propagation::host {
 namespace {
@@ -24,6 +25,43 @@ void enableAttributesOf(CMeshO& model, CMeshO& mesh) {
     Allocator::AddPerVertexAttribute<Value>(mesh, name);
 }
 
+constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_VERTFLAG |
+                       MeshModel::MM_FACEVERT | MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
+// MeshLab makes these where it needs them.
+constexpr int adjacency = MeshModel::MM_FACEFACETOPO | MeshModel::MM_VERTFACETOPO;
+
+/// The same vertices, faces, components and attributes: meshes of this VCG can be copied only, and
+/// only into what is there.
+std::unique_ptr<CMeshO> copyOf(MeshModel& layer) {
+  auto copy = std::make_unique<CMeshO>();
+  if (layer.hasDataMask(MeshModel::MM_VERTTEXCOORD)) copy->vert.EnableTexCoord();
+  if (layer.hasDataMask(MeshModel::MM_VERTMARK)) copy->vert.EnableMark();
+  if (layer.hasDataMask(MeshModel::MM_VERTCURV)) copy->vert.EnableCurvature();
+  if (layer.hasDataMask(MeshModel::MM_VERTCURVDIR)) copy->vert.EnableCurvatureDir();
+  if (layer.hasDataMask(MeshModel::MM_VERTRADIUS)) copy->vert.EnableRadius();
+  if (layer.hasDataMask(MeshModel::MM_FACECOLOR)) copy->face.EnableColor();
+  if (layer.hasDataMask(MeshModel::MM_FACEQUALITY)) copy->face.EnableQuality();
+  if (layer.hasDataMask(MeshModel::MM_FACEMARK)) copy->face.EnableMark();
+  if (layer.hasDataMask(MeshModel::MM_FACECURVDIR)) copy->face.EnableCurvatureDir();
+  if (layer.hasDataMask(MeshModel::MM_WEDGTEXCOORD)) copy->face.EnableWedgeTexCoord();
+  enableAttributesOf<Point3m>(layer.cm, *copy);
+  enableAttributesOf<Scalarm>(layer.cm, *copy);
+  vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(*copy, layer.cm);
+  return copy;
+}
+
+/// mask: the components that the layer is to have.
+void fill(MeshModel& layer, CMeshO& mesh, int mask) {
+  layer.clearDataMask(layer.dataMask() & ~always);
+  layer.cm.Clear();
+  layer.updateDataMask(mask & ~adjacency);
+  enableAttributesOf<Point3m>(mesh, layer.cm);
+  enableAttributesOf<Scalarm>(mesh, layer.cm);
+  vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
+  layer.cm.svn = layer.cm.sfn = 0;
+  layer.UpdateBoxAndNormals();
+}
+
 }  // namespace
 
 std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
@@ -39,20 +77,20 @@ std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::st
   return copyScalarAttribute(const_cast<CMeshO&>(mesh), name);
 }
 
-void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
-  // Meshes of this VCG can be copied only, and only into what is there.
-  constexpr int always = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL |
-                         MeshModel::MM_VERTFLAG | MeshModel::MM_FACEVERT |
-                         MeshModel::MM_FACENORMAL | MeshModel::MM_FACEFLAG;
-  layer.clearDataMask(layer.dataMask() & ~always);
-  layer.cm.Clear();
-  enableAttributesOf<Point3m>(mesh, layer.cm);
-  enableAttributesOf<Scalarm>(mesh, layer.cm);
-  vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
-  layer.cm.svn = layer.cm.sfn = 0;
-  layer.UpdateBoxAndNormals();
-  layer.updateDataMask(MeshModel::MM_VERTCOLOR |
-                       MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
+FormerMesh replaceMesh(MeshModel& layer, std::unique_ptr<CMeshO> mesh) {
+  FormerMesh former{copyOf(layer), layer.dataMask()};
+  try {
+    fill(layer, *mesh,
+         MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
+  } catch (...) {
+    restoreMesh(layer, std::move(former));
+    throw;
+  }
+  return former;
+}
+
+void restoreMesh(MeshModel& layer, FormerMesh former) {
+  fill(layer, *former.mesh, former.dataMask);
 }
 
 void updateBoxAndNormals(MeshModel& layer) { layer.UpdateBoxAndNormals(); }

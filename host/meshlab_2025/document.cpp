@@ -42,11 +42,23 @@ std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::st
   return copyScalarAttribute(mesh, name);
 }
 
-void replaceMesh(MeshModel& layer, CMeshO&& mesh) {
-  layer.cm = std::move(mesh);
-  renewAttributes<Point3m>(layer.cm);
-  renewAttributes<Scalarm>(layer.cm);
+FormerMesh replaceMesh(MeshModel& layer, std::unique_ptr<CMeshO> mesh) {
+  FormerMesh former{std::move(mesh), layer.dataMask()};
+  swap(layer.cm, *former.mesh);
+  try {
+    renewAttributes<Point3m>(layer.cm);
+    renewAttributes<Scalarm>(layer.cm);
+  } catch (...) {
+    restoreMesh(layer, std::move(former));
+    throw;
+  }
   layer.updateBoxAndNormals();
+  layer.updateDataMask();
+  return former;
+}
+
+void restoreMesh(MeshModel& layer, FormerMesh former) {
+  swap(layer.cm, *former.mesh);  // whose attributes refer to this layer's vertices, as before
   layer.updateDataMask();
 }
 

@@ -28,8 +28,12 @@ RootMapResult mapFrom(InitialMap start, const ClosedSurface& surface, double are
                       ThreadPool& pool, const Progress& progress) {
   if (start == InitialMap::Hierarchical) {
     HierarchicalResult result = hierarchicalMap(surface, energyWeights(areaWeight), pool, progress);
-    return {
-        MappedSurface(surface, std::move(result.positions)), start, result.levels, 0, result.steps, ""};
+    return {MappedSurface(surface, std::move(result.positions)),
+            start,
+            result.levels,
+            0,
+            result.steps,
+            ""};
   }
   constexpr double startsShare = 0.15;  // of the time
   const Untangled initial =

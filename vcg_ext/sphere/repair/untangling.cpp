@@ -182,7 +182,8 @@ Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings,
     last = rings == maxRings || region.rings() < rings;
   }
   const int moved = countMoved(original, positions);
-  return {MappedSurface(surface, std::move(positions)), static_cast<int>(before.flippedFaces), moved};
+  return {MappedSurface(surface, std::move(positions)), static_cast<int>(before.flippedFaces),
+          moved};
 }
 
 Untangled mend(const ClosedSurface& surface, Points positions, const Progress& progress) {
