@@ -13,6 +13,7 @@
 #include "filter_label_volume/file_series.h"
 #include "filter_label_volume/volume_file.h"
 #include "host/help.h"
+#include "host/remedies.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/base/text.h"
@@ -175,12 +176,13 @@ class ImportFilter : public host::Filter {
         } catch (const AbsentLabelError& error) {
           if (!skip || phases == 1)
             throw AbsentLabelError(
-                place(files[static_cast<size_t>(f)], p, file.phases()) + error.what() +
+                place(files[static_cast<size_t>(f)], p, file.phases()) + host::sentence(error) +
                 (phases > 1 ? " Incomplete phases can be skipped (skip_incomplete_phases)." : ""));
-          task.log(name + ": skipped. " + error.what());
+          task.log(name + ": skipped. " + host::sentence(error));
           ++skipped;
         } catch (const VolumeError& error) {
-          throw VolumeError(place(files[static_cast<size_t>(f)], p, file.phases()) + error.what());
+          throw VolumeError(place(files[static_cast<size_t>(f)], p, file.phases()) +
+                            host::sentence(error));
         }
       }
     }

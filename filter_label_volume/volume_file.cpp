@@ -8,6 +8,7 @@
 
 #include "filter_label_volume/itk_reader.h"
 #include "filter_label_volume/volume_header.h"
+#include "host/remedies.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/text.h"
 
@@ -97,8 +98,9 @@ VolumeFile::VolumeFile(std::string name, Coordinates coordinates)
     place.toWorld = content_->toWorld;
     place.check();
   } catch (const Error& error) {
-    throw VolumeError("\"" + content_->name + "\" cannot be imported: " + error.what() +
-                      (std::string(error.what()).back() == '.' ? "" : "."));
+    const std::string why = host::sentence(error);
+    throw VolumeError("\"" + content_->name + "\" cannot be imported: " + why +
+                      (why.back() == '.' ? "" : "."));
   }
   if (coordinates == Coordinates::Lps) content_->toWorld.topRows<2>() *= -1;
 }

@@ -6,8 +6,10 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "host/remedies.h"
 #include "vcg_ext/display/sphere_pattern.h"
 #include "vcg_ext/mesh/icosphere.h"
 
@@ -69,16 +71,11 @@ class ColorFilter : public host::Filter {
         task.changes.setColors(
             layer, mesh,
             sphereColors(positions, sphereSpacing(positions, mesh.surface.faces()), parameters));
-      if (source == nullptr && storeRatio)
-        task.log(layer.label() +
-                 ": the surface of this sphere is not visible, so it has no area ratio");
+      if (source == nullptr && storeRatio) task.say(messages::sphereWithoutSurface, layer.label());
       if (source != nullptr || pattern) ++colored;
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
-    if (colored == 0)
-      throw MapError(0, -1,
-                     "The visible sphere layers alone have no area ratio: show the surfaces that "
-                     "they were made of.");
+    if (colored == 0) throw host::Refusal(messages::spheresAlone);
     task.log(counted(colored, "layer", "layers") + " coloured");
     return {{"layers", colored}};
   }
@@ -102,11 +99,7 @@ class ColorFilter : public host::Filter {
         auto mesh = frequency ? surfaceOrLog(task, layer) : std::nullopt;
         if (mesh) found.push_back({layer, std::move(*mesh), icosphere(*frequency).vertices});
       }
-    if (found.empty())
-      throw MapError(0, -1,
-                     "No visible layer has places on the sphere to be coloured by. Run \"Spherical "
-                     "parameterise root\" on a surface first, and \"Propagate parameterisation to "
-                     "layers\" for the others.");
+    if (found.empty()) throw host::Refusal(messages::nothingToColour);
     for (size_t i = 0; i < found.size(); ++i)
       found[i].source = i < surfaces || i >= spheres ? &found[i].mesh.surface
                                                      : sourceOf(found[i], found, surfaces);
@@ -131,7 +124,7 @@ class ColorFilter : public host::Filter {
     try {
       return layer.surface();
     } catch (const SurfaceError& error) {
-      task.log(std::string(error.what()) + " The layer is left out.");
+      task.say(messages::layerLeftOut, host::sentence(error));
       return std::nullopt;
     }
   }

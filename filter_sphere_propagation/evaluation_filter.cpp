@@ -6,6 +6,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 
@@ -28,10 +29,7 @@ class EvaluationFilter : public host::Filter {
         layers.push_back(layer);
         meshes.push_back(std::move(*mesh));
       }
-    if (layers.empty())
-      throw MapError(0, -1,
-                     "No visible surface layer carries a map to the sphere. Run \"Spherical "
-                     "parameterise root\" on one first.");
+    if (layers.empty()) throw host::Refusal(messages::nothingToEvaluate);
     MapFigures figures(layers.size());
     const auto count = static_cast<Eigen::Index>(layers.size());
     Eigen::VectorXd valid(count), degree(count), root(count);

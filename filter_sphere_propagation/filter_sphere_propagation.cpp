@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/filter_sphere_propagation.h"
 
+#include "filter_sphere_propagation/messages.h"
+
 FilterSpherePropagation::FilterSpherePropagation()
-    : Plugin("FilterSpherePropagation", sphere_propagation::makeFilters()) {}
+    : Plugin("FilterSpherePropagation", sphere_propagation::makeFilters(),
+             {sphere_propagation::messages::all.begin(), sphere_propagation::messages::all.end()}) {
+}
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterSpherePropagation)

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "vcg_ext/base/error.h"
+#include "filter_sphere_propagation/messages.h"
 #include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
@@ -67,26 +67,15 @@ std::map<std::string, int> landmarkMarks(const host::Layer& surface) {
 
 void logSeveralRoots(const host::Task& task, const std::vector<host::Layer>& surfaces) {
   const Roots roots = rootsOf(surfaces);
-  if (roots.known.size() > 1)
-    task.log(
-        "Warning: the maps come from different roots " + inBrackets(roots) +
-        ", so that a place of the sphere, as a landmark, is not the same place on all of them. Run "
-        "\"Propagate parameterisation to layers\" again, or hide the layers that are not meant.");
+  if (roots.known.size() > 1) task.say(messages::mapsOfSeveralRoots, inBrackets(roots));
   if (!roots.known.empty() && !roots.unknown.empty())
-    task.log(
-        "Note: which root the maps of " + listed(roots.unknown) +
-        " came from is not known, since files and duplicated layers do not keep it. Where they do "
-        "not belong to the others, run \"Propagate parameterisation to layers\" again.");
+    task.say(messages::rootNotKnown, listed(roots.unknown));
 }
 
 void requireOneRoot(const std::vector<host::Layer>& landmarks) {
   const Roots roots = rootsOf(landmarks);
   if (roots.known.size() > 1)
-    throw ParameterError(
-        "The landmarks do not correspond, since they were sampled from maps of different roots " +
-        inBrackets(roots) +
-        ". Run \"Propagate parameterisation to layers\" and \"Remesh by icosphere\" again, or hide "
-        "the layers that do not belong to the model.");
+    throw host::Refusal(messages::landmarksOfSeveralRoots, inBrackets(roots));
 }
 
 void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& landmarks,
@@ -106,16 +95,9 @@ void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& l
       remapped.push_back(landmarks[i].label());
   }
   if (!gone.empty() && gone.size() < landmarks.size())
-    task.log("Warning: the surfaces of " + listed(gone) +
-             " are not in the project. Where these shapes are not meant to be in the model, hide "
-             "or delete the layers.");
-  if (!mapless.empty())
-    task.log("Warning: the surfaces of " + listed(mapless) +
-             " have no map (any more), so that \"Remesh by icosphere\" does not make these layers "
-             "again. Where they are left over, hide or delete them.");
-  if (!remapped.empty())
-    task.log("Warning: the maps of the surfaces of " + listed(remapped) +
-             " have changed since these landmarks were made. Run \"Remesh by icosphere\" again.");
+    task.say(messages::surfacesGone, listed(gone));
+  if (!mapless.empty()) task.say(messages::surfacesWithoutMap, listed(mapless));
+  if (!remapped.empty()) task.say(messages::mapsChanged, listed(remapped));
 }
 
 }  // namespace sphere_propagation

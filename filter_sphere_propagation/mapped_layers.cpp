@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "filter_sphere_propagation/map_roots.h"
+#include "filter_sphere_propagation/messages.h"
+#include "host/remedies.h"
 
 namespace sphere_propagation {
 
@@ -23,7 +25,7 @@ Reading readSurface(const host::Layer& layer) {
     return {layer.surface(), std::nullopt, {}};
   } catch (const SurfaceError& error) {
     if (layer.hasAttribute()) throw;
-    return {std::nullopt, std::nullopt, missing + " (" + error.what() + ")"};
+    return {std::nullopt, std::nullopt, missing + " (" + host::sentence(error) + ")"};
   }
 }
 
@@ -65,11 +67,7 @@ std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* p
 std::vector<MappedLayer> mappedLayers(const host::Task& task, ThreadPool* pool) {
   task.layers.visibleSurfaces();  // says so where there is none
   std::vector<MappedLayer> found = mappedLayersIfAny(task, pool);
-  if (found.empty())
-    throw MapError(
-        0, -1,
-        "No visible surface layer has a map to the sphere. Run \"Spherical parameterise root\" on "
-        "one first, and \"Propagate parameterisation to layers\" for the others.");
+  if (found.empty()) throw host::Refusal(messages::noMappedLayer);
   return found;
 }
 

@@ -37,8 +37,7 @@ class PhantomFilter : public host::Filter {
     parameters.voxelSize = task.values.real("voxel_size");
     parameters.twist = task.values.real("twist");
     const int seed = task.values.integer("seed");
-    if (seed < 0)
-      throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
+    requireRange("seed", seed, Range::atLeast(0));
     parameters.seed = static_cast<unsigned>(seed);
     const VentriclePhantom phantom(parameters);
 

@@ -9,6 +9,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -50,9 +51,7 @@ std::vector<int> parseNumbers(const std::string& text) {
     } catch (const std::exception&) {
       used = 0;
     }
-    if (used != word.size())
-      throw ParameterError("parents: \"" + word +
-                           "\" is no layer number. Give one number per layer, -1 for the root.");
+    if (used != word.size()) throw host::Refusal(messages::noLayerNumber, word);
     numbers.push_back(number);
   }
   return numbers;
@@ -82,17 +81,11 @@ std::vector<int> placesOfParents(const Participants& participants, const std::st
   std::vector<int> parents = parseNumbers(text);
   const std::vector<host::Layer>& layers = participants.layers;
   if (parents.size() != layers.size())
-    throw ParameterError(
-        "parents: " + counted(static_cast<long>(parents.size()), "number", "numbers") + " for " +
-        counted(static_cast<long>(layers.size()), "surface layer", "surface layers") +
-        ". Give one layer number per visible surface layer, in layer order, -1 for the root.");
+    throw host::Refusal(messages::numberOfParents, parents.size(), layers.size());
   for (size_t i = 0; i < parents.size(); ++i) {
     if (parents[i] < 0) continue;
     const int index = participants.indexOf(parents[i]);
-    if (index < 0)
-      throw ParameterError("parents: layer \"" + layers[i].label() +
-                           "\" is to get its map from layer " + std::to_string(parents[i]) +
-                           ", which is no visible surface layer.");
+    if (index < 0) throw host::Refusal(messages::parentNotVisible, layers[i].label(), parents[i]);
     parents[i] = index;
   }
   // Where there is no root, or there are several, the core says so.
@@ -101,9 +94,7 @@ std::vector<int> placesOfParents(const Participants& participants, const std::st
       parents.begin());
   const auto chosen = static_cast<size_t>(participants.root);
   if (root < parents.size() && parents[chosen] >= 0)
-    throw ParameterError("parents: the root (-1) is layer \"" + layers[root].label() +
-                         "\", but root_layer is \"" + layers[chosen].label() +
-                         "\". Make them the same.");
+    throw host::Refusal(messages::twoRoots, layers[root].label(), layers[chosen].label());
   return parents;
 }
 
@@ -140,7 +131,7 @@ class PropagationFilter : public host::Filter {
     if (order.kind == Order::Given)
       order.parents = placesOfParents(participants, task.values.text("parents"));
     else if (!task.values.text("parents").empty())
-      task.log("Warning: parents is not looked at, since it belongs to the order Given.");
+      task.say(messages::parentsNotLookedAt);
 
     Sequence sequence(participants.surfaces());
     PropagationTree tree;
@@ -165,25 +156,18 @@ class PropagationFilter : public host::Filter {
         propagate(sequence, rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
     const Eigen::VectorXd mirrored = mirror(task, participants, mirrorPlanes);
     if (propagated.learnt)
-      task.log(
-          "Learnt from the sequence, variances from layer to layer in units of half the root's "
-          "mean vertex area: translation " +
-          shortNumber(propagated.learnt->translation) + ", strain " +
-          shortNumber(propagated.learnt->strain) + ", rotation " +
-          shortNumber(propagated.learnt->rotation));
+      task.say(messages::learnt, propagated.learnt->translation, propagated.learnt->strain,
+               propagated.learnt->rotation);
     if (parameters.closing && parameters.method == PropagationMethod::Robust)
-      task.log("Both ways round the cycle were averaged on " + std::to_string(propagated.averaged) +
-               " of " + counted(tree.size() - 1, "layer", "layers"));
+      task.say(messages::bothWays, propagated.averaged, tree.size() - 1);
     host::Outputs outputs = write(task, participants, propagated.layers);
     outputs["mirrored"] = mirrored;
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
       const auto label = [&](int i) { return participants.layers[static_cast<size_t>(i)].label(); };
-      task.log("Where the two branches of the cycle meet, from " + label(parameters.closing->from) +
-               " to " + label(parameters.closing->to) + ", they differ by " +
-               shortNumber(difference.distance.mean) + " on the surface (95 % below " +
-               shortNumber(difference.distance.p95) + "), " + shortNumber(difference.angle.mean) +
-               " degrees on the sphere");
+      task.say(messages::branchesMeet, label(parameters.closing->from),
+               label(parameters.closing->to), difference.distance.mean, difference.distance.p95,
+               difference.angle.mean);
       outputs["branch_distance"] = difference.distance.mean;
       outputs["branch_angle"] = difference.angle.mean;
     }
@@ -207,7 +191,7 @@ class PropagationFilter : public host::Filter {
     const auto root = static_cast<size_t>(participants.root);
     const host::Layer& layer = participants.layers[root];
     std::optional<MappedSurface> map = layer.map(participants.meshes[root]);
-    if (!map) throw MapError(0, -1, whyNoMap(layer, participants.meshes[root]));
+    if (!map) refuseRoot(layer, participants.meshes[root]);
     return *map;
   }
 
@@ -217,26 +201,18 @@ class PropagationFilter : public host::Filter {
                        const PropagationTree& tree) {
     const host::Layer& root = participants.layers[static_cast<size_t>(participants.root)];
     if (const std::string note = LargestLayer(participants.layers).note(root.id()); !note.empty())
-      task.log("Note: the root is layer \"" + root.label() + "\"; " + note +
-               ". For a heart cycle, end-diastole is the better root.");
+      task.say(messages::largerRoot, root.label(), note);
     const int centre = tree.centre(), arcs = tree.farthestFrom(tree.root()),
               least = tree.farthestFrom(centre);
     if (4 * least > 3 * arcs || arcs - least < 2) return;
-    task.log("Note: the farthest layer is " + counted(arcs, "step", "steps") +
-             " from the root; with layer \"" +
-             participants.layers[static_cast<size_t>(centre)].label() + "\" as root it would be " +
-             std::to_string(least) +
-             ". Where layers form a cycle, the order \"Cyclic time\" is shorter, too.");
+    task.say(messages::centralRoot, arcs, participants.layers[static_cast<size_t>(centre)].label(),
+             least);
   }
 
-  static std::string whyNoMap(const host::Layer& layer, const MeshSurface& mesh) {
-    std::string text = "Layer \"" + layer.label() + "\" is the root and has no map.";
-    if (layer.hasAttribute())
-      text = "Layer \"" + layer.label() + "\" is the root, and its map is not valid (any more): " +
-             certify(mesh.surface.faces(), *layer.storedPositions(mesh)).reason() + ".";
-    return text +
-           " Make it the current layer and run \"Spherical parameterise root\", or choose a root "
-           "layer that has a map.";
+  [[noreturn]] static void refuseRoot(const host::Layer& layer, const MeshSurface& mesh) {
+    if (!layer.hasAttribute()) throw host::Refusal(messages::rootWithoutMap, layer.label());
+    throw host::Refusal(messages::rootMapNotValid, layer.label(),
+                        certify(mesh.surface.faces(), *layer.storedPositions(mesh)).reason());
   }
 
   static double residualInEdges(const MeshSurface& mesh, const PropagatedLayer& propagated) {
@@ -245,36 +221,19 @@ class PropagationFilter : public host::Filter {
   }
 
   /// What the user should know about how a layer got its map; usually nothing.
-  static std::string warning(const host::Layer& layer, const MeshSurface& mesh,
-                             const PropagatedLayer& propagated) {
-    std::string text;
-    if (propagated.route == Route::Alignment)
-      text = "the motion fit lost it, so the map comes from its parent, aligned";
-    if (propagated.route == Route::Published)
-      text =
-          "the motion fit lost it and alignment gave no map, so the map comes from its parent, as "
-          "published";
+  static void warn(const host::Task& task, const host::Layer& layer, const MeshSurface& mesh,
+                   const PropagatedLayer& propagated) {
+    if (propagated.route == Route::Alignment) task.sayOf(layer, messages::fitLostLayer);
+    if (propagated.route == Route::Published) task.sayOf(layer, messages::alignmentLostLayer);
     if (propagated.pose.moved)
-      text += (text.empty() ? "" : "; ") +
-              std::string("it lies in another pose and was laid on its parent for the fit (") +
-              shortNumber(propagated.pose.shift) + " away, turned by " +
-              shortNumber(propagated.pose.angle) + " degrees)";
-    if (propagated.pose.mirrored)
-      text += (text.empty() ? "" : "; ") +
-              std::string(
-                  "its mirror image fits its parent far better: is it a left one among right ones? "
-                  "Run the filter again with mirror_layers (\"Mirror layers\"), which reflects it");
+      task.sayOf(layer, messages::anotherPose, propagated.pose.shift, propagated.pose.angle);
+    if (propagated.pose.mirrored) task.sayOf(layer, messages::mirrorImage);
     const double size = propagated.relativeSize;
     if (size > differentSize || size < 1 / differentSize)
-      text += (text.empty() ? "" : "; ") + std::string("it is ") +
-              shortNumber(size > 1 ? size : 1 / size) + " times " +
-              (size > 1 ? "larger" : "smaller") +
-              " than its parent, so one of them may be in another unit";
+      task.sayOf(layer, messages::anotherSize, size > 1 ? size : 1 / size,
+                 size > 1 ? "larger" : "smaller");
     const double edges = residualInEdges(mesh, propagated);
-    if (edges > maxEdgesApart)
-      text += (text.empty() ? "" : "; ") + std::string("it lies ") + shortNumber(edges) +
-              " edge lengths off on average, so it may be another shape or in another unit";
-    return text.empty() ? text : "Warning: " + layer.label() + ": " + text + ".";
+    if (edges > maxEdgesApart) task.sayOf(layer, messages::farOff, edges);
   }
 
   /// The current layer if it has a map, else the first surface layer that has one, else the current
@@ -296,16 +255,11 @@ class PropagationFilter : public host::Filter {
     participants.root = participants.indexOf(rootId);
     if (participants.root < 0) {
       const auto layer = task.layers.find(rootId);
-      throw ParameterError(
-          layer ? "Layer \"" + layer->label() +
-                      "\" cannot be the root: it is hidden, or a layer of landmarks, of a sphere "
-                      "or of a shape model. Show it, or choose a visible surface layer."
-                : "There is no layer " + std::to_string(rootId) + " to be the root.");
+      if (layer) throw host::Refusal(messages::rootNotVisible, layer->label());
+      throw host::Refusal(messages::noSuchRoot, rootId);
     }
     if (participants.layers.size() == 1)
-      throw ParameterError("Layer \"" + participants.layers[0].label() +
-                           "\" is the only visible surface: there is nothing to propagate its map "
-                           "to. Load or show the other layers.");
+      throw host::Refusal(messages::onlySurface, participants.layers[0].label());
     const double count = static_cast<double>(participants.layers.size());
     for (size_t i = 0; i < participants.layers.size(); ++i) {
       participants.meshes.push_back(participants.layers[i].surface());
@@ -322,11 +276,7 @@ class PropagationFilter : public host::Filter {
       if (!planes[i]) continue;
       mirrored[static_cast<Eigen::Index>(i)] = 1;
       task.changes.mirror(participants.layers[i], *planes[i]);
-      task.log(participants.layers[i].label() +
-               ": is a mirror image of the others, and was reflected across the plane x = " +
-               shortNumber(*planes[i]) +
-               " through its centroid. Its surface is changed; save it, or reflect the layer again "
-               "to go back.");
+      task.say(messages::reflected, participants.layers[i].label(), *planes[i]);
     }
     return mirrored;
   }
@@ -379,18 +329,11 @@ class PropagationFilter : public host::Filter {
                                     layer.transferred.distances.data(),
                                     static_cast<Eigen::Index>(layer.transferred.distances.size())));
       task.log(line);
-      if (const std::string text = warning(participants.layers[i], participants.meshes[i], layer);
-          !text.empty())
-        task.log(text);
+      warn(task, participants.layers[i], participants.meshes[i], layer);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
     if (task.values.flag("residual_quality"))
-      task.log(
-          "Quality: distance of each vertex from what was brought onto its layer, in the mesh's "
-          "unit; 0 at the root, " +
-          shortNumber(residualMean.maxCoeff()) + " on average and " +
-          shortNumber(residualP95.maxCoeff()) +
-          " for 95 % of the vertices on the layer that is farthest off");
+      task.say(messages::residualsStored, residualMean.maxCoeff(), residualP95.maxCoeff());
     host::Outputs outputs = {{"parent", parent},
                              {"residual_mean", residualMean},
                              {"residual_p95", residualP95},

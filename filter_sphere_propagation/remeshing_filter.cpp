@@ -9,6 +9,7 @@
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/mapped_layers.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 #include "vcg_ext/display/colors.h"
@@ -35,10 +36,7 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task,
     if (!found[*sources[i]])
       found[*sources[i]] = landmarks[i].id();
     else
-      task.log(
-          "Layer \"" + landmarks[i].label() + "\" also holds landmarks of \"" +
-          surfaces[*sources[i]].label() +
-          "\", from an earlier run: delete or hide it, or the shape model counts the shape twice.");
+      task.say(messages::landmarksTwice, landmarks[i].label(), surfaces[*sources[i]].label());
   }
   return found;
 }
@@ -58,19 +56,14 @@ class RemeshingFilter : public host::Filter {
     const int frequency = task.values.integer("frequency");
     requireIcosphereFrequency(frequency);
     const int threads = task.values.integer("threads");
-    if (threads < 0)
-      throw ParameterError("The number of threads must not be negative; it is " +
-                           std::to_string(threads) + ".");
+    requireRange("number of threads", threads, Range::atLeast(0));
     ThreadPool pool(threads);
     const std::vector<MappedLayer> layers = mappedLayers(task, &pool);
     const long landmarks = 10L * frequency * frequency + 2;
     const long affordable = maxLandmarks / static_cast<long>(layers.size());
     if (landmarks > affordable)
-      throw ParameterError(
-          "Frequency " + std::to_string(frequency) + " on " +
-          counted(static_cast<long>(layers.size()), "layer", "layers") + " makes " +
-          std::to_string(landmarks * static_cast<long>(layers.size())) + " landmarks, more than " +
-          std::to_string(maxLandmarks) + ". Choose a lower frequency or hide layers.");
+      throw host::Refusal(messages::tooManyLandmarks, frequency, layers.size(),
+                          landmarks * static_cast<long>(layers.size()), maxLandmarks);
     const IcosphereRemesher remesher(frequency);
     std::optional<Colors> colors;
     if (task.values.flag("color_landmarks")) colors = landmarkColors(landmarks);
@@ -93,9 +86,8 @@ class RemeshingFilter : public host::Filter {
       mean[i] = all[k].distance.mean;
       max[i] = all[k].distance.max;
       seconds[i] = all[k].seconds;
-      task.log(layers[k].layer.label() + ": " + std::to_string(landmarks) +
-               " landmarks, distance to the surface " + shortNumber(mean[i]) + " on average, " +
-               shortNumber(max[i]) + " at most, " + shortNumber(seconds[i]) + " s");
+      task.say(messages::landmarksMade, layers[k].layer.label(), landmarks, mean[i], max[i],
+               seconds[i]);
     }
     return {{"surface_distance_mean", mean}, {"surface_distance_max", max}, {"seconds", seconds}};
   }

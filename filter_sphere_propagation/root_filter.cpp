@@ -3,6 +3,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 #include "vcg_ext/mesh/sphere_fit.h"
@@ -41,12 +42,13 @@ class RootFilter : public host::Filter {
         makeRootMap(mesh.surface, parameters, part(task.progress, 0, 0.95));
     const std::string storageNote = task.changes.setMap(layer, mesh, result.map);
     const MapMeasures measures = measureMap(mesh.surface, result.map.positions());
-    if (!result.note.empty()) task.log(result.note);
+    if (!result.failures.empty())
+      task.say(messages::anotherStart, layer.label(), nameOf(result.used), result.failures);
     if (!storageNote.empty()) task.log(storageNote);
     const double seconds = stopwatch.seconds();
-    if (const std::string note = sizeNote(task.layers); !note.empty())
-      task.log("Note: " + note + ".");
-    if (const std::string note = sphereNote(layer, mesh.surface); !note.empty()) task.log(note);
+    if (const std::string note = largerLayer(task.layers); !note.empty())
+      task.say(messages::betterRoot, layer.id(), note);
+    if (const host::Message* note = sphereNote(layer, mesh.surface)) task.say(*note, layer.label());
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) +
              " s (" + nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") +
              ", " + counted(result.steps, "step", "steps") + ")");
@@ -59,25 +61,19 @@ class RootFilter : public host::Filter {
 
  private:
   /// A sphere looks the same from all sides.
-  static std::string sphereNote(const host::Layer& layer, const ClosedSurface& surface) {
+  static const host::Message* sphereNote(const host::Layer& layer, const ClosedSurface& surface) {
     constexpr double round = 1e-4;
-    if (layer.kind() == host::LayerKind::Sphere)
-      return "Note: layer \"" + layer.label() +
-             "\" lies on the unit sphere, so the other filters take it for one that \"Show "
-             "parameterisation as sphere layers\" made, and leave it out. Where it is a surface, "
-             "scale it.";
-    if (deviationFromSphere(surface.vertices()) > round) return {};
-    return "Note: layer \"" + layer.label() +
-           "\" is itself a sphere: any rotation of its map is as good, and nothing tells how other "
-           "spheres are to be turned to match it.";
+    if (layer.kind() == host::LayerKind::Sphere) return &messages::rootOnUnitSphere;
+    return deviationFromSphere(surface.vertices()) > round ? nullptr : &messages::rootIsSphere;
+  }
+
+  static std::string largerLayer(const host::Layers& layers) {
+    return LargestLayer(layers.visible(host::LayerKind::Surface)).note(layers.currentId());
   }
 
   static std::string sizeNote(const host::Layers& layers) {
-    const int current = layers.currentId();
-    const std::string note = LargestLayer(layers.visible(host::LayerKind::Surface)).note(current);
-    return note.empty()
-               ? note
-               : "the current layer is " + std::to_string(current) + "; for a heart cycle, " + note;
+    const std::string note = largerLayer(layers);
+    return note.empty() ? note : host::said(messages::betterRoot, layers.currentId(), note);
   }
 
   const host::Help help_{"compute_spherical_parameterisation_root"};

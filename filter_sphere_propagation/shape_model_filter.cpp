@@ -10,6 +10,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 #include "vcg_ext/display/colors.h"
@@ -40,22 +41,17 @@ std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
   for (size_t k = 0; k < order.size(); ++k) {
     sorted.push_back(layers[order[k]]);
     if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
-      task.log("Warning: layers \"" + layers[order[k - 1]].label() + "\" and \"" +
-               layers[order[k]].label() + "\" both hold landmarks of \"" +
-               surfaces[*sources[order[k]]].label() + "\", which counts twice: hide one of them.");
+      task.say(messages::shapeCountedTwice, layers[order[k - 1]].label(), layers[order[k]].label(),
+               surfaces[*sources[order[k]]].label());
   }
-  if (!std::is_sorted(order.begin(), order.end()))
-    task.log("The shapes are taken in the order of their surfaces, not of the landmark layers.");
+  if (!std::is_sorted(order.begin(), order.end())) task.say(messages::orderOfSurfaces);
   return sorted;
 }
 
 /// The visible landmark layers as shapes that correspond.
 TrainingSet trainingSet(const host::Task& task) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
-  if (layers.empty())
-    throw ParameterError(
-        "No landmark layer is visible. Run \"Remesh by icosphere\" first, or show the layers that "
-        "it made.");
+  if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(layers);
   layers = inOrderOfSurfaces(task, std::move(layers));
   std::vector<TrainingSet::Shape> shapes;
@@ -68,9 +64,7 @@ TrainingSet trainingSet(const host::Task& task) {
     // unless one is mirrored.
     if (mesh.surface.vertices().rows() == shapes.front().landmarks.rows() &&
         mesh.surface.faces() != faces)
-      throw ParameterError(
-          "Layers \"" + shapes.front().name + "\" and \"" + layer.label() +
-          "\" have different face lists: the matrix of one of them mirrors. Mirror both or none.");
+      throw host::Refusal(messages::differentFaces, shapes.front().name, layer.label());
   }
   return {std::move(shapes), std::move(faces)};
 }
@@ -109,12 +103,7 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
     task.changes.addLayer(layer);
   }
   task.changes.removeOtherLayers(host::LayerKind::Model);
-  if (modeLayers > 0)
-    task.log(
-        "Colours of the modes, all on one scale: displacement from the mean along its normal; "
-        "red " +
-        shortNumber(range) + " outwards, white 0, blue " + shortNumber(range) +
-        " inwards, in the mesh's unit; also stored as vertex quality");
+  if (modeLayers > 0) task.say(messages::coloursOfModes, range);
 }
 
 class ShapeModelFilter : public host::Filter {
@@ -143,22 +132,15 @@ class ShapeModelFilter : public host::Filter {
   host::Outputs run(host::Task& task) const override {
     const Stopwatch stopwatch;
     const int modesWanted = task.values.integer("modes");
-    if (modesWanted < 0)
-      throw ParameterError("The number of modes must be 0 (all) or more; it is " +
-                           std::to_string(modesWanted) + ".");
+    requireRange("number of modes", modesWanted, Range::atLeast(0));
     const double deviations = task.values.real("standard_deviations");
-    if (!(deviations > 0) || !std::isfinite(deviations))
-      throw ParameterError("The standard deviations must be above 0; they are " +
-                           shortNumber(deviations) + ".");
+    requireRange("number of standard deviations", deviations, Range::above(0));
     const int modeLayers = task.values.integer("mode_layers");
-    if (modeLayers < 0)
-      throw ParameterError("The number of modes shown must be 0 or more; it is " +
-                           std::to_string(modeLayers) + ".");
+    requireRange("number of modes shown", modeLayers, Range::atLeast(0));
     ModelMeasureParameters measureParameters;
     measureParameters.samples = task.values.integer("specificity_samples");
     const int seed = task.values.integer("seed");
-    if (seed < 0)
-      throw ParameterError("The seed must be 0 or more; it is " + std::to_string(seed) + ".");
+    requireRange("seed", seed, Range::atLeast(0));
     measureParameters.seed = static_cast<unsigned>(seed);
     ProcrustesParameters procrustes;
     procrustes.alignment = task.values.choice("alignment", alignments);
@@ -183,13 +165,9 @@ class ShapeModelFilter : public host::Filter {
                   ? std::string(", not aligned")
                   : ", aligned in " + counted(aligned.iterations, "round", "rounds")) +
              ": " + counted(modes, "mode", "modes"));
-    if (!aligned.converged)
-      task.log("The alignment still moved after " + counted(aligned.iterations, "round", "rounds") +
-               ".");
-    if (all.modeCount() == 0)
-      task.log("All shapes are identical once aligned: there is no variance and no mode.");
-    if (modesWanted > modes)
-      task.log("There are no more than " + counted(modes, "mode", "modes") + ".");
+    if (!aligned.converged) task.say(messages::stillMoving, aligned.iterations);
+    if (all.modeCount() == 0) task.say(messages::identicalShapes);
+    if (modesWanted > modes) task.say(messages::fewerModes, modes);
     for (Eigen::Index m = 0; m < std::min<Eigen::Index>(modes, std::max(modeLayers, 3)); ++m)
       task.log("mode " + std::to_string(m + 1) + ": standard deviation " +
                shortNumber(

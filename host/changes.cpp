@@ -197,11 +197,10 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
     }
   }
   if (!textureHoldsIt && !attributeHoldsIt)
-    throw MapError(0, -1,
-                   "Layer \"" + layer.label() +
-                       "\": its map has faces too small for the single precision in which this "
-                       "MeshLab stores it. PyMeshLab stores double precision; or make the mesh "
-                       "coarser where it is finest (Filters, Remeshing).");
+    throw MapError("Layer \"" + layer.label() +
+                   "\": its map has faces too small for the single precision in which this "
+                   "MeshLab stores it. PyMeshLab stores double precision; or make the mesh "
+                   "coarser where it is finest (Filters, Remeshing).");
   // What stands for a map stands for what is stored, so that it can be told again from the layer.
   change.root =
       root ? *root : fingerprintOf(change.positions, change.texture, surface.surface.faces());

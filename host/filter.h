@@ -12,6 +12,7 @@
 
 #include "host/changes.h"
 #include "host/layers.h"
+#include "host/message.h"
 #include "host/parameter.h"
 #include "vcg_ext/base/progress.h"
 
@@ -47,8 +48,21 @@ struct Task {
   const Layers& layers;
   const ParameterValues& values;
   Changes& changes;
-  std::function<void(const std::string&)> log;  ///< a line of MeshLab's log
+  std::function<void(const Remark&)> tell;  ///< what MeshLab's log is to say
   Progress progress;
+
+  /// News that have no message of their own, as figures.
+  void log(const std::string& line) const { tell({Message::Kind::News, "", "", line}); }
+  /// What a message says of the result.
+  template <class... Values>
+  void say(const Message& message, const Values&... values) const {
+    tell({message.kind, message.name, "", said(message, values...)});
+  }
+  /// What it says of a layer.
+  template <class... Values>
+  void sayOf(const Layer& layer, const Message& message, const Values&... values) const {
+    tell({message.kind, message.name, layer.label(), said(message, values...)});
+  }
 };
 
 class Filter {

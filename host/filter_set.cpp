@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/input_guard.h"
+#include "host/remedies.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -112,14 +113,15 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     Changes changes(document);
     const Layers layers(document);
     const RichValues richValues(values);
-    Task task{layers, richValues, changes, log, percentReporter(callback, name)};
+    Task task{layers, richValues, changes, [&log](const Remark& remark) { log(remark.line()); },
+              percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
     report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab
                                // has yet to take in
     const int changed = changes.commit();
     return {std::nullopt, std::move(outputs), changed};
   } catch (const Error& error) {
-    return {error.what(), {}};
+    return {sentence(error), {}};
   } catch (const MLException& error) {  // a parameter is missing
     return {error.what(), {}};
   } catch (const std::bad_alloc&) {

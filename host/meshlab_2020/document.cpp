@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/remedies.h"
+
 namespace sphere_propagation::host {
 namespace {
 
@@ -63,6 +65,8 @@ void fill(MeshModel& layer, CMeshO& mesh, int mask) {
 }
 
 }  // namespace
+
+Host thisHost() { return Host::MeshLab2020; }
 
 std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
   return {document.meshList.begin(), document.meshList.end()};

@@ -6,8 +6,12 @@
 
 namespace sphere_propagation::host {
 
-Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters)
+Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
+               const std::vector<Message>& messages)
     : name_(name), filters_(std::move(filters)) {
+  QStringList lines;
+  for (const Message& message : messages) lines << qt(outline(message));
+  setProperty("messages", lines);
   for (int id = 0; id < filters_.size(); ++id) {
     typeList.push_back(id);
     actionList.push_back(

@@ -18,7 +18,10 @@ namespace sphere_propagation::host {
 
 class Plugin : public QObject, public MeshFilterInterface {
  public:
-  Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters);
+  /// messages: what the filters say, for the tests of the pages, which read it as the property
+  /// "messages".
+  Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
+         const std::vector<Message>& messages = {});
 
   QString pluginName() const override { return name_; }
   QString filterName(FilterIDType id) const override { return qt(filters_.description(id).name); }

@@ -2,7 +2,10 @@
 #include "host/document.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
+
+#include "host/remedies.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -27,6 +30,8 @@ void renewAttributes(CMeshO& mesh) {
 }
 
 }  // namespace
+
+Host thisHost() { return std::is_same_v<Scalarm, double> ? Host::PyMeshLab : Host::MeshLab2025; }
 
 std::vector<const MeshModel*> meshesOf(const MeshDocument& document) {
   std::vector<const MeshModel*> meshes;

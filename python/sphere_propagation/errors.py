@@ -6,12 +6,127 @@ SpherePropagationError          catch this one to catch them all
   InputError (ValueError)       an argument that no filter needs to see: an array of the wrong
                                 shape, a root that is not there
   FileError (OSError)           a file that cannot be read as a mesh or a map
-  FilterError (RuntimeError)    a filter refused; the message is the filter's own
+  FilterError (RuntimeError)    a filter refused; the message is the filter's own, with advice for
+                                arrays
 
 SpherePropagationWarning        a result that deserves a look
 """
 
 from __future__ import annotations
+
+import re
+
+#: What to do about a fault (vcg_ext/base/fault.h) where surfaces are arrays, in place of what the
+#: plugin advises, which is for layers and menus: how its advice begins, and ours. All that comes
+#: from the plugin is a text, so its advice is known by its first words; a test compares them.
+FOR_ARRAYS = {
+    "Empty": (
+        "Load a closed triangle mesh",
+        "Give it vertices (n, 3) and faces (k, 3), or leave it out.",
+    ),
+    "NoFaces": (
+        "Load a closed triangle mesh",
+        "Give it vertices (n, 3) and faces (k, 3), or leave it out.",
+    ),
+    "NonFiniteCoordinate": (
+        "Select them with",
+        "~np.isfinite(vertices).all(axis=1) tells which: whatever wrote them went wrong.",
+    ),
+    "IndexOutOfRange": (
+        "The file is damaged",
+        "((faces < 0) | (faces >= len(vertices))).any(axis=1) tells which.",
+    ),
+    "DegenerateFace": (
+        'Remove them with "Remove Zero Area Faces"',
+        "Leave them out: faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)].",
+    ),
+    "NonManifoldEdge": (
+        "Repair them with",
+        "Leave out faces that are there twice (np.unique(np.sort(faces, axis=1), axis=0, "
+        "return_index=True)), or use meshing_repair_non_manifold_edges of a pymeshlab.MeshSet.",
+    ),
+    "NotClosed": (
+        "Close it with",
+        "Faces are missing there: meshing_close_holes of a pymeshlab.MeshSet makes them.",
+    ),
+    "NotWelded": (
+        ": unify them with",
+        ": unify them by vertices, index = np.unique(vertices, axis=0, return_inverse=True); "
+        "faces = index.reshape(-1)[faces].",
+    ),
+    "InconsistentOrientation": (
+        "Orient them with",
+        "All must run counterclockwise as seen from outside, which "
+        "meshing_re_orient_faces_coherently of a pymeshlab.MeshSet brings about; should they point "
+        "inwards then, faces[:, ::-1].",
+    ),
+    "UnreferencedVertex": (
+        'Remove them with "Remove Unreferenced Vertices"',
+        "Leave them out: used, index = np.unique(faces, return_inverse=True); vertices[used] and "
+        "index.reshape(-1, 3) are what is left.",
+    ),
+    "NonManifoldVertex": (
+        "Separate them with",
+        "Split them by meshing_repair_non_manifold_vertices of a pymeshlab.MeshSet, then keep the "
+        "largest part.",
+    ),
+    "SeveralParts": (
+        "Keep the one that is meant",
+        "Keep the faces of the one that is meant: scipy.sparse.csgraph.connected_components tells "
+        "the parts.",
+    ),
+    "Handles": (
+        "Remove them before meshing",
+        "Remove them before meshing, by filling the tunnels in the label image, as "
+        "read_label_volume does.",
+    ),
+    "InwardOrientation": ("Turn them round", "Turn them round: faces[:, ::-1]."),
+    "ZeroArea": (
+        "There is no surface to map",
+        "There is no surface to map: all vertices lie in one place, or on one line.",
+    ),
+    "Flat": ("If its matrix flattens it", "Is a column of the vertices constant?"),
+    "CoordinateTooLarge": (
+        "Bring all layers to a unit",
+        "Multiply all vertices, so that their unit is one such as mm.",
+    ),
+    "ExtentTooSmall": (
+        "Bring all layers to a unit",
+        "Multiply all vertices, so that their unit is one such as mm.",
+    ),
+    "NoValidMap": (
+        ": remesh it with",
+        ": make its triangles more even, as meshing_isotropic_explicit_remeshing of a "
+        "pymeshlab.MeshSet does.",
+    ),
+    "NoSurface": (": show at least one", ": give at least one."),
+    "DifferentUnits": (
+        "Bring all layers to one unit",
+        "Multiply the vertices of one of them, so that both are in one unit.",
+    ),
+    "LandmarkCount": (
+        "Remesh all surfaces with one frequency",
+        "Remesh all surfaces with one frequency.",
+    ),
+    "NonFiniteLandmark": (
+        "Remesh its surface again",
+        "Leave the shape out: points[np.isfinite(points).all(axis=(1, 2))].",
+    ),
+    "LandmarksInOnePlace": (
+        "Hide the layer, or align",
+        'Leave the shape out, or take alignment="Rigid".',
+    ),
+}
+
+
+def for_arrays(message: str) -> str:
+    """What the plugin says of a fault, with advice for one who has arrays."""
+    for opening, advice in FOR_ARRAYS.values():
+        statement, found, _ = message.rpartition(opening)
+        if found:
+            message = statement + advice
+            break
+    return re.sub(r'^Layer (?=")', "Surface ", message)
 
 
 class SpherePropagationError(Exception):
@@ -35,9 +150,11 @@ class FileError(SpherePropagationError, OSError):
 
 
 class FilterError(SpherePropagationError, RuntimeError):
-    """A filter refused its input or its parameters, in its own words; `filter` is its name in
-    PyMeshLab."""
+    """A filter refused its input or its parameters, in its own words, with advice for arrays.
+
+    filter: its name in PyMeshLab; __cause__: what it said there.
+    """
 
     def __init__(self, filter: str, message: str):
-        super().__init__(message)
+        super().__init__(for_arrays(message))
         self.filter = filter

@@ -49,7 +49,7 @@ void expectSphere(const CollapsibleMesh& mesh) {
   try {
     ClosedSurface(points, rings.faces);
   } catch (const SurfaceError& error) {  // these points say nothing about inside and outside
-    EXPECT_EQ(error.defect, SurfaceError::Defect::InwardOrientation) << error.what() << inside;
+    EXPECT_EQ(error.fault(), Fault::InwardOrientation) << error.what() << inside;
   }
 }
 

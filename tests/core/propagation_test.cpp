@@ -350,9 +350,8 @@ TEST(Propagation, AnErrorNamesTheLayer) {
     propagate(surfaces, root, timeOrder(3, 0), parameters);
     FAIL() << "no error";
   } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("third phase"), std::string::npos) << text;
-    EXPECT_NE(text.find("second phase"), std::string::npos) << text;
+    EXPECT_EQ(error.finding().name, "third phase");
+    EXPECT_EQ(error.finding().other, "second phase");
   }
   // The motion model fits no flat shape, but what can be mended is no error.
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, timeOrder(3, 0)).layers;

@@ -160,11 +160,11 @@ TEST(PropagationTree, GivenOrderKeepsTheArcsAndSortsParentsFirst) {
 }
 
 TEST(PropagationTree, GivenOrderNamesTheLayerThatIsWrong) {
-  EXPECT_NE(messageOf({1, 2, 0}).find("No layer is marked as the root"), std::string::npos);
-  EXPECT_NE(messageOf({-1, 0, -1}).find("Layer 2"), std::string::npos);
-  EXPECT_NE(messageOf({-1, 7}).find("Layer 1"), std::string::npos);
-  EXPECT_NE(messageOf({-1, 7}).find("layer 7"), std::string::npos);
-  EXPECT_NE(messageOf({-1, -2}).find("Layer 1"), std::string::npos);
+  EXPECT_NE(messageOf({1, 2, 0}).find("No surface is marked as the root"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 0, -1}).find("Surface 2"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 7}).find("Surface 1"), std::string::npos);
+  EXPECT_NE(messageOf({-1, 7}).find("surface 7"), std::string::npos);
+  EXPECT_NE(messageOf({-1, -2}).find("Surface 1"), std::string::npos);
   EXPECT_NE(messageOf({-1, 1}).find("1 <- 1"), std::string::npos);  // its own parent
   // Layer 1 is behind the circle, not on it.
   EXPECT_NE(messageOf({-1, 2, 3, 4, 2}).find("2 <- 3 <- 4 <- 2"), std::string::npos)

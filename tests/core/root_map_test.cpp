@@ -70,7 +70,8 @@ TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
       const RootMapResult result = makeRootMap(surface, {start, 0.9});  // valid by type
       EXPECT_NE(result.used, InitialMap::Automatic);
       const InitialMap asked = start == InitialMap::Automatic ? InitialMap::Hierarchical : start;
-      EXPECT_EQ(result.note.empty(), result.used == asked) << named.name << ": " << result.note;
+      EXPECT_EQ(result.failures.empty(), result.used == asked)
+          << named.name << ": " << result.failures;
     }
   }
 }
@@ -88,7 +89,7 @@ TEST(RootMap, PreservesAreasFromEachStart) {
       const MapMeasures measures = measureMap(surface, result.map.positions());
       EXPECT_TRUE(measures.certificate.valid());
       EXPECT_LE(measures.areaRatioSd, 0.01) << named.name << " from " << nameOf(start);
-      EXPECT_EQ(result.note, "") << named.name;
+      EXPECT_EQ(result.failures, "") << named.name;
       EXPECT_GT(result.steps, 0);
     }
   }
@@ -146,11 +147,10 @@ TEST(RootMap, SaysWhyItTookAnotherStart) {
   const RootMapResult result = makeRootMap(ClosedSurface(mesh.vertices, mesh.faces, "end-diastole"),
                                            {InitialMap::Brechbuehler, 0.9});
   EXPECT_EQ(result.used, InitialMap::Hierarchical);
-  EXPECT_NE(result.note.find("\"end-diastole\""), std::string::npos) << result.note;
-  EXPECT_NE(result.note.find("the initial map is Hierarchical"), std::string::npos) << result.note;
-  EXPECT_NE(result.note.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"),
+  EXPECT_EQ(result.used, InitialMap::Hierarchical);
+  EXPECT_NE(result.failures.find("Brechbuehler cannot be made valid (2 of 4 faces stay flipped)"),
             std::string::npos)
-      << result.note;
+      << result.failures;
 }
 
 TEST(RootMap, FallsBackToTheHierarchicalStartForLimbs) {
@@ -161,9 +161,10 @@ TEST(RootMap, FallsBackToTheHierarchicalStartForLimbs) {
   for (const InitialMap start : {InitialMap::Brechbuehler, InitialMap::Harmonic}) {
     const RootMapResult result = makeRootMap(surface, {start, 0.9});
     EXPECT_EQ(result.used, InitialMap::Hierarchical);
-    EXPECT_NE(result.note.find(nameOf(start) + " cannot be made valid"), std::string::npos)
-        << result.note;
-    EXPECT_NE(result.note.find("of 1924 faces stay flipped"), std::string::npos) << result.note;
+    EXPECT_NE(result.failures.find(nameOf(start) + " cannot be made valid"), std::string::npos)
+        << result.failures;
+    EXPECT_NE(result.failures.find("of 1924 faces stay flipped"), std::string::npos)
+        << result.failures;
   }
 }
 
@@ -176,7 +177,7 @@ TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
                                                        {"branches on branches", tree(4, 3, 1)}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     const RootMapResult result = makeRootMap(surface);  // valid by type
-    EXPECT_EQ(result.note, "") << named.name;
+    EXPECT_EQ(result.failures, "") << named.name;
     EXPECT_LT(measureMap(surface, result.map.positions()).areaRatioSd, 0.05) << named.name;
   }
 }
@@ -217,7 +218,7 @@ TEST(RootMap, OfSpoiltMeshes) {
   for (const NamedMesh& named : spoiltMeshes()) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     const RootMapResult result = makeRootMap(surface);  // valid by type
-    EXPECT_EQ(result.note, "") << named.name;
+    EXPECT_EQ(result.failures, "") << named.name;
     const MapMeasures measures = measureMap(surface, result.map.positions());
     EXPECT_TRUE(measures.certificate.valid()) << named.name;
     EXPECT_LT(measures.areaRatioSd, 0.1) << named.name;

@@ -44,7 +44,7 @@ TEST(TrainingSet, NamesTheShapesThatDoNotCorrespond) {
 
 TEST(TrainingSet, NeedsTwoShapes) {
   const auto mesh = test::icosahedron();
-  EXPECT_TRUE(contains(refusal({}, mesh.faces), "at least two"));
+  EXPECT_TRUE(contains(refusal({}, mesh.faces), "no shape"));
   EXPECT_TRUE(contains(refusal({{"only", mesh.vertices}}, mesh.faces), "\"only\""));
   EXPECT_TRUE(contains(refusal({{"a", Points(0, 3)}, {"b", Points(0, 3)}}, Triangles(0, 3)),
                        "no landmarks"));

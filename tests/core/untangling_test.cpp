@@ -154,11 +154,12 @@ TEST(Untangling, SaysHowFarFromAMapHopelessPositionsAre) {
       untangle(surface, positions);
       FAIL() << "accepted";
     } catch (const MapError& error) {
-      EXPECT_GT(error.count, 0);
-      EXPECT_GE(error.first, 0);
-      const std::string text = error.what();
-      EXPECT_NE(text.find("\"phase 7\""), std::string::npos) << text;
-      EXPECT_NE(text.find("320 faces were flipped"), std::string::npos) << text;
+      EXPECT_EQ(error.fault(), Fault::NotRepairable);
+      EXPECT_GT(error.finding().count, 0);
+      EXPECT_GE(error.finding().first, 0);
+      EXPECT_EQ(error.finding().name, "phase 7");
+      EXPECT_EQ(error.finding().others, 320);  // flipped to begin with
+      EXPECT_EQ(std::string(error.what()).find("They come from"), std::string::npos);
     }
   }
 }

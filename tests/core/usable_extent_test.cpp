@@ -14,11 +14,9 @@
 namespace sphere_propagation {
 namespace {
 
-using Defect = SurfaceError::Defect;
-
 std::optional<SurfaceError> refusal(const Points& vertices, const Triangles& faces) {
   try {
-    requireUsableExtent(ClosedSurface(vertices, faces, "a layer"));
+    requireUsableExtent(ClosedSurface(vertices, faces, "a surface"));
   } catch (const SurfaceError& error) {
     return error;
   }
@@ -49,8 +47,8 @@ TEST(UsableExtent, RefusesFlatSurfacesInAnyPosition) {
     for (const double shift : {0.0, 1e3}) {
       const auto error = refusalOfEllipsoid(30, 20, thickness, shift);
       ASSERT_TRUE(error) << thickness << ", " << shift;
-      EXPECT_EQ(error->defect, Defect::Flat);
-      EXPECT_NE(std::string(error->what()).find("Layer \"a layer\": it is flat"),
+      EXPECT_EQ(error->fault(), Fault::Flat);
+      EXPECT_NE(std::string(error->what()).find("Surface \"a surface\": it is flat"),
                 std::string::npos);
     }
   // Flattened by a matrix of floats.
@@ -62,14 +60,14 @@ TEST(UsableExtent, RefusesFlatSurfacesInAnyPosition) {
   const Points vertices = mesh.vertices * flattening.cast<double>().transpose();
   const auto error = refusal(vertices, mesh.faces);
   ASSERT_TRUE(error);
-  EXPECT_EQ(error->defect, Defect::Flat);
+  EXPECT_EQ(error->fault(), Fault::Flat);
 }
 
 TEST(UsableExtent, RefusesWhatLeavesTheRangeOfNumbers) {
   for (const double unit : {1e-160, 1e-80, 1e80, 1e160, 1e300}) {
     const auto error = refusalOfEllipsoid(30 * unit, 20 * unit, 10 * unit);
     ASSERT_TRUE(error) << unit;
-    EXPECT_EQ(error->defect, Defect::CoordinateRange);
+    EXPECT_EQ(error->fault(), unit > 1 ? Fault::CoordinateTooLarge : Fault::ExtentTooSmall);
   }
 }
 

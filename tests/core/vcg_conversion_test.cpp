@@ -84,9 +84,9 @@ TYPED_TEST(VcgConversion, AFaceOfADeletedVertexIsAnError) {
     surfaceFromMesh(vcgMesh, Eigen::Matrix4d::Identity(), "broken");
     FAIL();
   } catch (const SurfaceError& error) {
-    EXPECT_EQ(error.defect, SurfaceError::Defect::IndexOutOfRange);
-    EXPECT_EQ(error.count, 5);
-    EXPECT_NE(std::string(error.what()).find("\"broken\""), std::string::npos);
+    EXPECT_EQ(error.fault(), Fault::IndexOutOfRange);
+    EXPECT_EQ(error.finding().count, 5);
+    EXPECT_EQ(error.finding().name, "broken");
   }
 }
 

@@ -4,14 +4,18 @@ varies.
 
     python messages.py     lists them: file, words
 
-A message is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`. A piece that says
-something (three words or more) must be on the page docs/errors.md. In C++ every string of a filter
-or below that is no description of a parameter or of a filter counts; in Python and in the scripts,
-what goes into errors and warnings.
+The errors of vcg_ext come from its own catalogue, sentence by sentence (`faults`). What filters say
+is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`, and a piece that says something
+(three words or more) must be on the page docs/errors.md: in C++ every string of a filter that is no
+description of a parameter or of a filter, in Python and in the scripts what goes into errors and
+warnings.
 """
 
 import ast
+import ctypes
+import json
 import re
+import xml.etree.ElementTree as xml
 from typing import Iterator, List, Tuple
 
 from pages import PROJECT
@@ -26,6 +30,40 @@ DESCRIPTIONS = (
     "patterns[]{",  # what the dialog calls them
 )
 IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
+
+
+def catalogue():
+    """The errors of vcg_ext and the menu entries that they name: see filter_descriptions.cpp."""
+    return json.loads(_library().error_sentences().decode())
+
+
+def said_by(plugin):
+    """What the filters of a plugin say, as far as it is in their catalogue (messages.def)."""
+    return _library().plugin_messages(str(plugin).encode()).decode().splitlines()
+
+
+def menu_entries(file):
+    """Of a plugin's filters by their names in Python those in MeshLab's menus."""
+    filters = xml.fromstring(_library().filter_descriptions(str(file).encode()).decode())
+    return {f.get("python_name"): f.get("name") for f in filters}
+
+
+def _library():
+    import pymeshlab  # noqa: F401  whose MeshLab ours uses
+
+    library = ctypes.CDLL(str(PROJECT / "build/pymeshlab/tests/libfilter_descriptions.so"))
+    for function in (
+        library.error_sentences,
+        library.filter_descriptions,
+        library.plugin_messages,
+    ):
+        function.restype = ctypes.c_char_p
+    return library
+
+
+def faults(host="MeshLab 2025.07"):
+    """Of every fault by its name the sentence that users of a host read, and the remedy in it."""
+    return {fault["name"]: fault["hosts"][host] for fault in catalogue()["faults"]}
 
 
 def says_something(piece: str) -> bool:
@@ -76,13 +114,10 @@ def with_plurals(code: str) -> str:
     return code
 
 
-def in_cpp(code: str, only_errors: bool = False) -> Iterator[str]:
+def in_cpp(code: str) -> Iterator[str]:
     code = re.sub(r"^\s*#.*$|//.*$", "", code, flags=re.M)
     code = with_plurals(without_descriptions(code))
-    if only_errors:
-        code = "\n;".join(
-            code[m.end() - 1 : end_of(code, m.end() - 1)] for m in re.finditer(r"throw \w+\(", code)
-        )
+    code = re.sub(r"(requireRange\(\s*)" + STRING, r"\1", code)  # what is out of range is a gap
     text, end = "", None
     for string in re.finditer(STRING, code):
         joined = end is not None and re.fullmatch(r"\s*\+?\s*", code[end : string.start()])
@@ -129,13 +164,10 @@ def in_shell(code: str) -> Iterator[str]:
 def messages() -> List[Tuple[str, str]]:
     """All pieces of all messages: list of (file, words)."""
     found = []
-    for folder in [PROJECT / "vcg_ext", PROJECT / "host", *sorted(PROJECT.glob("filter_*"))]:
+    for folder in [PROJECT / "host", *sorted(PROJECT.glob("filter_*"))]:
         for path in sorted(folder.rglob("*")):
-            if path.suffix in (".h", ".cpp"):
-                writes_a_format = path.name.endswith("_file.cpp")
-                found += [
-                    (path, text) for text in in_cpp(path.read_text(), only_errors=writes_a_format)
-                ]
+            if path.suffix in (".h", ".cpp") and path.name != "remedies.cpp":
+                found += [(path, text) for text in in_cpp(path.read_text())]
     for path in sorted((PROJECT / "python").rglob("*.py")):
         found += [(path, text) for text in in_python(path.read_text())]
     for path in sorted((PROJECT / "scripts").iterdir()):
@@ -147,5 +179,7 @@ def messages() -> List[Tuple[str, str]]:
 
 
 if __name__ == "__main__":
+    for name, fault in faults().items():
+        print(f"{name}: {fault['sentence']}")
     for file, words in messages():
         print(f"{file}: {words}")

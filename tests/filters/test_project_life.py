@@ -511,5 +511,5 @@ def test_remeshing_is_the_same_with_any_number_of_threads():
 
 def test_remeshing_refuses_a_negative_number_of_threads():
     ms = mapped_cycle(1)
-    with refused(ms, "number of threads must not be negative", "-1"):
+    with refused(ms, "number of threads must be 0 or more; it is -1"):
         ms.apply_filter(REMESH, threads=-1)

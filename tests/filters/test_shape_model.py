@@ -622,7 +622,7 @@ def test_nan():
 @pytest.mark.parametrize(
     "parameters, words",
     [
-        ({"modes": -1}, "modes must be 0 (all) or more"),
+        ({"modes": -1}, "modes must be 0 or more"),
         ({"standard_deviations": 0}, "above 0"),
         ({"standard_deviations": -3}, "above 0"),
         ({"standard_deviations": NAN}, "above 0"),

@@ -527,7 +527,7 @@ def test_no_file(tmp_path):
         ({"labels": ""}, "empty"),
         ({"labels": "0"}, "background"),
         ({"labels": "1,9"}, "label 9"),
-        ({"voxel_size": -1}, "voxel_size"),
+        ({"voxel_size": -1}, "voxel size must be 0 or more"),
         ({"voxel_size": 0.001}, "larger voxel_size"),
         ({"voxel_size": 100}, "smaller voxel_size"),
         ({"voxel_size": 1e12}, "box of 16 x 13 x 12 mm"),

@@ -22,9 +22,7 @@ double shapeWeight(double areaWeight) {
 }  // namespace
 
 AreaEnergyWeights energyWeights(double areaWeight) {
-  if (!(areaWeight >= 0 && areaWeight <= 1))
-    throw ParameterError("The area weight must lie between 0 and 1; it is " +
-                         std::to_string(areaWeight) + ".");
+  requireRange("area weight", areaWeight, Range::between(0, 1));
   return areaWeight == 0 ? AreaEnergyWeights{0, 1} : AreaEnergyWeights{1, shapeWeight(areaWeight)};
 }
 

@@ -42,9 +42,7 @@ std::vector<FaceTarget> targetsBetween(const ClosedSurface& surface, const Point
 }  // namespace
 
 MappedSurface restoreArea(const MappedSurface& map, double amount, const Progress& progress) {
-  if (!(amount >= 0 && amount <= 1))
-    throw ParameterError("The area restoration must lie between 0 and 1; it is " +
-                         std::to_string(amount) + ".");
+  requireRange("area restoration", amount, Range::between(0, 1));
   if (amount == 0) return map;
   const ClosedSurface& surface = map.surface();
   AreaMinimiser minimiser(surface, targetsBetween(surface, map.positions(), amount));

@@ -1,60 +1,86 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// What vcg_ext throws on purpose. The text is written for the user: it names the layer, what is
-/// wrong (how many, and the index of the first) and what to do about it.
+/// What vcg_ext throws on purpose: what is wrong as data, and as a statement in what(). The class
+/// says whose fault it is, the finding which fault, how often and where.
 
+#include <cmath>
+#include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
+
+#include "vcg_ext/base/fault.h"
 
 namespace sphere_propagation {
 
 /// Base of all errors below; catch this one to catch them all.
 class Error : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+ public:
+  explicit Error(Finding what)
+      : std::runtime_error(statement(what) + "."),
+        finding_(std::make_shared<const Finding>(std::move(what))) {}
+  /// What is said in words only.
+  explicit Error(const std::string& text)
+      : std::runtime_error(text),
+        finding_(std::make_shared<const Finding>(Finding(Fault::Text).saying(text))) {}
+
+  const Finding& finding() const { return *finding_; }
+  Fault fault() const { return finding_->fault; }
+
+ private:
+  std::shared_ptr<const Finding> finding_;  // shared: copies of an exception must not throw
 };
 
-/// A parameter is outside the range that its header documents.
+/// A parameter is outside the range that its header documents, or does not fit the others.
 class ParameterError : public Error {
   using Error::Error;
 };
 
+/// Arguments that contradict what a header asks for: a program's fault. No filter lets a user get
+/// there, so the words alone say what is wrong.
+class ArgumentError : public ParameterError {
+ public:
+  explicit ArgumentError(const std::string& text) : ParameterError(text) {}
+};
+
+/// What a number must be. Never infinite or NaN.
+struct Range {
+  double low = 0;
+  double high = std::numeric_limits<double>::infinity();
+  bool withoutLow = false;
+
+  static Range between(double low, double high) { return {low, high, false}; }
+  static Range atLeast(double low) { return {low, std::numeric_limits<double>::infinity(), false}; }
+  static Range above(double low) { return {low, std::numeric_limits<double>::infinity(), true}; }
+  bool holds(double value) const {
+    return std::isfinite(value) && value <= high && (withoutLow ? value > low : value >= low);
+  }
+};
+
+/// A number is outside its range; name: what it is, in words, as "area weight".
+class RangeError : public ParameterError {
+ public:
+  RangeError(const std::string& name, double value, const Range& range)
+      : ParameterError(Finding(range.withoutLow         ? Fault::NotAbove
+                               : std::isinf(range.high) ? Fault::TooSmall
+                                                        : Fault::NotBetween,
+                               name)
+                           .at(value, range.low, range.high)) {}
+};
+
+/// Throws RangeError where the number is outside the range.
+inline void requireRange(const std::string& name, double value, const Range& range) {
+  if (!range.holds(value)) throw RangeError(name, value, range);
+}
+
 /// A mesh is no closed surface of genus 0.
 class SurfaceError : public Error {
- public:
-  enum class Defect {
-    Empty,                    ///< no faces
-    TooFewVertices,           ///< fewer than four
-    NonFiniteCoordinate,      ///< NaN or infinite
-    IndexOutOfRange,          ///< a face refers to a vertex that is not there
-    DegenerateFace,           ///< a face uses one vertex twice
-    NonManifoldEdge,          ///< more than two faces at an edge
-    NotClosed,                ///< one face at an edge
-    InconsistentOrientation,  ///< two faces run along an edge in the same direction
-    UnreferencedVertex,       ///< in no face
-    NonManifoldVertex,        ///< the faces around it are more than one fan
-    SeveralParts,             ///< more than one connected component
-    Handles,                  ///< genus above 0
-    InwardOrientation,        ///< encloses a negative volume
-    ZeroArea,                 ///< no face has an area
-    Flat,                     ///< all vertices lie in one plane
-    CoordinateRange,  ///< so large or so small that squares and products of lengths leave the range
-                      ///< of numbers
-  };
-  SurfaceError(Defect what, long howMany, long firstIndex, const std::string& text)
-      : Error(text), defect(what), count(howMany), first(firstIndex) {}
-  Defect defect;
-  long count;  ///< how many elements are concerned
-  long first;  ///< index of the first of them (vertex or face, as the text says); -1 where none can
-               ///< be named
+  using Error::Error;
 };
 
 /// Positions on the sphere are no valid map, or no valid map could be reached.
 class MapError : public Error {
- public:
-  MapError(long howMany, long firstIndex, const std::string& text)
-      : Error(text), count(howMany), first(firstIndex) {}
-  long count;  ///< how many faces (or vertices, as the text says) are concerned
-  long first;  ///< index of the first of them; -1 where none can be named
+  using Error::Error;
 };
 
 /// A label volume cannot be read, or holds no surface.
@@ -72,7 +98,7 @@ class ExportError : public Error {
   using Error::Error;
 };
 
-/// A map cannot be handed from one surface to another: they correspond nowhere.
+/// A map cannot be handed from one surface to another.
 class PropagationError : public Error {
   using Error::Error;
 };

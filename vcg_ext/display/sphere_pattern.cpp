@@ -113,9 +113,7 @@ Eigen::VectorXd sphereSpacing(const Points& positions, const Triangles& faces) {
 
 Colors sphereColors(const Points& positions, const Eigen::VectorXd& spacing,
                     const SpherePatternParameters& parameters) {
-  if (parameters.cells < 2 || parameters.cells > maxPatternCells)
-    throw ParameterError("The number of cells must be 2 to " + std::to_string(maxPatternCells) +
-                         ", not " + std::to_string(parameters.cells) + ".");
+  requireRange("number of cells", parameters.cells, Range::between(2, maxPatternCells));
   Colors colors(positions.rows(), 3);
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
     const Spot spot = spotAt(positions.row(i).transpose(), spacing[i]);
@@ -135,8 +133,7 @@ Colors sphereColors(const Points& positions, const Eigen::VectorXd& spacing,
 }
 
 Colors areaRatioColors(const Eigen::VectorXd& ratios, double limit) {
-  if (!(limit > 1) || !std::isfinite(limit))
-    throw ParameterError("The area ratio at which colours end must be greater than 1.");
+  requireRange("area ratio at which colours end", limit, Range::above(1));
   const Color neutral(0.86, 0.86, 0.86), more(0.706, 0.016, 0.150), less(0.230, 0.299, 0.754);
   Colors colors(ratios.size(), 3);
   for (Eigen::Index i = 0; i < ratios.size(); ++i) {

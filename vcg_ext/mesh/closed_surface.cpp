@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <tuple>
 #include <utility>
 
-#include "vcg_ext/base/text.h"
-
 namespace sphere_propagation {
 namespace {
-
-using Defect = SurfaceError::Defect;
 
 /// How many elements have a defect, and which is the first.
 struct Tally {
@@ -25,11 +20,8 @@ struct Tally {
   }
 };
 
-[[noreturn]] void fail(const std::string& name, Defect defect, const Tally& tally,
-                       const std::string& what, const std::string& remedy) {
-  std::ostringstream text;
-  text << "Layer \"" << name << "\": " << what << ". " << remedy;
-  throw SurfaceError(defect, tally.count, tally.first, text.str());
+[[noreturn]] void fail(const std::string& name, Fault fault, const Tally& tally) {
+  throw SurfaceError(Finding(fault, name).of(tally.count, tally.first));
 }
 
 /// Vertices that lie exactly where another one lies: what is left of a mesh whose faces were stored
@@ -50,13 +42,7 @@ void requireFinite(const Points& vertices, const std::string& name) {
   Tally bad;
   for (Eigen::Index v = 0; v < vertices.rows(); ++v)
     if (!vertices.row(v).allFinite()) bad.add(v);
-  if (bad.count > 0)
-    fail(name, Defect::NonFiniteCoordinate, bad,
-         counted(bad.count, "vertex has", "vertices have") +
-             " coordinates that are not finite numbers, the first is vertex " +
-             std::to_string(bad.first),
-         "Select them with \"Conditional Vertex Selection\", condition \"x-x+y-y+z-z != 0\", then "
-         "\"Delete Selected Vertices\" and \"Close Holes\".");
+  if (bad.count > 0) fail(name, Fault::NonFiniteCoordinate, bad);
 }
 
 /// Checks a mesh step by step, and finds out how it hangs together on the way.
@@ -102,30 +88,18 @@ class Inspection {
 
 void Inspection::checkElements() const {
   const int n = vertexCount(), m = faceCount();
-  if (m == 0)
-    fail(name_, Defect::Empty, {}, n == 0 ? "it is empty" : "it has vertices but no faces",
-         "Load a closed triangle mesh into this layer, or hide or delete the layer.");
-  if (n < 4)
-    fail(name_, Defect::TooFewVertices, {n, 0}, "it has " + counted(n, "vertex", "vertices"),
-         "A closed surface has at least four.");
+  if (m == 0) fail(name_, n == 0 ? Fault::Empty : Fault::NoFaces, {});
+  if (n < 4) fail(name_, Fault::TooFewVertices, {n, 0});
   requireFinite(vertices_, name_);
   Tally bad;
   for (int f = 0; f < m; ++f)
     if (faces_.row(f).minCoeff() < 0 || faces_.row(f).maxCoeff() >= n) bad.add(f);
-  if (bad.count > 0)
-    fail(name_, Defect::IndexOutOfRange, bad,
-         counted(bad.count, "face refers", "faces refer") +
-             " to vertices that do not exist, the first is face " + std::to_string(bad.first),
-         "The file is damaged: export it again.");
+  if (bad.count > 0) fail(name_, Fault::IndexOutOfRange, bad);
   for (int f = 0; f < m; ++f)
     if (faces_(f, 0) == faces_(f, 1) || faces_(f, 1) == faces_(f, 2) ||
         faces_(f, 2) == faces_(f, 0))
       bad.add(f);
-  if (bad.count > 0)
-    fail(name_, Defect::DegenerateFace, bad,
-         counted(bad.count, "face uses", "faces use") + " one vertex twice, the first is face " +
-             std::to_string(bad.first),
-         "Remove them with \"Remove Zero Area Faces\", then \"Close Holes\" if there are any.");
+  if (bad.count > 0) fail(name_, Fault::DegenerateFace, bad);
 }
 
 void Inspection::connectEdges() {
@@ -167,29 +141,14 @@ void Inspection::connectEdges() {
       }
     }
   }
-  if (crowded.count > 0)
-    fail(name_, Defect::NonManifoldEdge, crowded,
-         counted(crowded.count, "edge has", "edges have") +
-             " more than two faces, the first at face " + std::to_string(crowded.first),
-         "Repair them with \"Repair non Manifold Edges\" (remove faces), then \"Close Holes\".");
+  if (crowded.count > 0) fail(name_, Fault::NonManifoldEdge, crowded);
   if (open.count > 0) {
     const long coincident = coincidentVertices(vertices_);
-    fail(name_, Defect::NotClosed, open,
-         "it is not closed: " + counted(open.count, "edge has", "edges have") +
-             " a face on one side only, the first at face " + std::to_string(open.first),
-         coincident > 0
-             ? std::to_string(coincident) +
-                   " vertices lie exactly where another one lies: unify them with \"Remove "
-                   "Duplicate Vertices\"; close what is still open with \"Close Holes\"."
-             : "Close it with \"Close Holes\".");
+    throw SurfaceError(Finding(coincident > 0 ? Fault::NotWelded : Fault::NotClosed, name_)
+                           .of(open.count, open.first)
+                           .amid(coincident));
   }
-  if (opposed.count > 0)
-    fail(name_, Defect::InconsistentOrientation, opposed,
-         "its faces are not oriented alike: " + counted(opposed.count, "edge lies", "edges lie") +
-             " between faces of opposite orientation, the first at face " +
-             std::to_string(opposed.first),
-         "Orient them with \"Re-Orient all faces coherently\"; should they point inwards then, "
-         "\"Invert Faces Orientation\".");
+  if (opposed.count > 0) fail(name_, Fault::InconsistentOrientation, opposed);
 }
 
 void Inspection::connectVertices() {
@@ -203,11 +162,7 @@ void Inspection::connectVertices() {
   Tally lonely, pinched;
   for (int v = 0; v < n; ++v)
     if (some[v] < 0) lonely.add(v);
-  if (lonely.count > 0)
-    fail(name_, Defect::UnreferencedVertex, lonely,
-         counted(lonely.count, "vertex belongs", "vertices belong") +
-             " to no face, the first is vertex " + std::to_string(lonely.first),
-         "Remove them with \"Remove Unreferenced Vertices\".");
+  if (lonely.count > 0) fail(name_, Fault::UnreferencedVertex, lonely);
   std::partial_sum(offset_.begin(), offset_.end(), offset_.begin());
   outgoing_.resize(static_cast<size_t>(halfEdges));
   ring_.resize(static_cast<size_t>(halfEdges));
@@ -220,13 +175,7 @@ void Inspection::connectVertices() {
     } while (h != some[v] && i < offset_[v + 1]);
     if (i < offset_[v + 1]) pinched.add(v);
   }
-  if (pinched.count > 0)
-    fail(name_, Defect::NonManifoldVertex, pinched,
-         "at " + counted(pinched.count, "vertex", "vertices") +
-             " sheets touch that share no edge there, the first is vertex " +
-             std::to_string(pinched.first),
-         "Separate them with \"Repair non Manifold Vertices by splitting\", then keep the largest "
-         "part with \"Remove Isolated pieces (wrt Face Num.)\".");
+  if (pinched.count > 0) fail(name_, Fault::NonManifoldVertex, pinched);
 }
 
 void Inspection::checkTopology() const {
@@ -247,18 +196,10 @@ void Inspection::checkTopology() const {
     }
   }
   if (first.size() > 1)
-    fail(name_, Defect::SeveralParts, {static_cast<long>(first.size()), first[1]},
-         "it has " + std::to_string(first.size()) + " separate parts, vertex " +
-             std::to_string(first[1]) + " is the first outside the part of vertex 0",
-         "Keep the one that is meant with \"Remove Isolated pieces (wrt Face Num.)\".");
+    fail(name_, Fault::SeveralParts, {static_cast<long>(first.size()), first[1]});
   // Euler: V - E + F = 2 - 2 g, and E = 3 F / 2 on a closed surface.
   const long genus = (2 - (static_cast<long>(n) - faceCount() / 2)) / 2;
-  if (genus != 0)
-    fail(name_, Defect::Handles, {genus, -1},
-         "it has " + counted(genus, "handle", "handles") + " (genus " + std::to_string(genus) +
-             "), and a sphere has none",
-         "Remove them before meshing (fill the tunnels in the label image), or rebuild the surface "
-         "with \"Surface Reconstruction: Screened Poisson\" at a lower depth.");
+  if (genus != 0) fail(name_, Fault::Handles, {genus, -1});
 }
 
 void requireArea(const Points& vertices, const Triangles& faces, const std::string& name) {
@@ -279,14 +220,10 @@ void requireArea(const Points& vertices, const Triangles& faces, const std::stri
       area += 0.5 * n.norm();
       volume += n.dot(a) / 6;
     }
-  if (!(area > 0))
-    fail(name, Defect::ZeroArea, {faces.rows(), 0}, "all its faces have zero area",
-         "There is no surface to map: load the mesh again.");
+  if (!(area > 0)) fail(name, Fault::ZeroArea, {faces.rows(), 0});
   constexpr double flat =
       1e-9;  // a flattened surface encloses nothing, up to rounding, and has no inside
-  if (volume < -flat * std::pow(area, 1.5))
-    fail(name, Defect::InwardOrientation, {faces.rows(), 0}, "its faces are oriented inwards",
-         "Turn them round with \"Invert Faces Orientation\".");
+  if (volume < -flat * std::pow(area, 1.5)) fail(name, Fault::InwardOrientation, {faces.rows(), 0});
 }
 
 }  // namespace
@@ -312,8 +249,8 @@ ClosedSurface::ClosedSurface(std::shared_ptr<const Connectivity> connectivity, P
 
 ClosedSurface ClosedSurface::withVertices(Points vertices) const {
   if (vertices.rows() != vertexCount())
-    throw ParameterError("Surface \"" + name() + "\" has " + std::to_string(vertexCount()) +
-                         " vertices, and cannot get " + std::to_string(vertices.rows()) + ".");
+    throw ArgumentError("Surface \"" + name() + "\" has " + std::to_string(vertexCount()) +
+                        " vertices, and cannot get " + std::to_string(vertices.rows()) + ".");
   return {connectivity_, std::move(vertices), name_};
 }
 

@@ -50,9 +50,8 @@ struct Connectivity {
 /// Immutable, and cheap to copy: copies share what they hold.
 class ClosedSurface {
  public:
-  /// vertices: #V by 3, #V >= 4; faces: #F by 3; name: what errors call it (a layer's label).
-  /// Throws SurfaceError, which says what is wrong, how often, where first, and which MeshLab
-  /// filter mends it.
+  /// vertices: #V by 3, #V >= 4; faces: #F by 3; name: what errors call it. Throws SurfaceError,
+  /// which says what is wrong, how often and where first.
   ClosedSurface(Points vertices, Triangles faces, std::string name = "surface");
 
   /// The same surface with its vertices elsewhere (#V by 3): moved, scaled, deformed. It shares the

@@ -116,17 +116,14 @@ Triangles makeFaces(int f) {
 }  // namespace
 
 void requireIcosphereFrequency(int frequency) {
-  if (frequency < 1)
-    throw ParameterError("The frequency of an icosphere must be at least 1, not " +
-                         std::to_string(frequency) + ".");
+  requireRange("frequency of an icosphere", frequency, Range::atLeast(1));
   if (frequency > maxIcosphereFrequency) {
     const double vertices = 10.0 * frequency * frequency + 2,
                  bytes = vertices * (3 * sizeof(double) + 6 * sizeof(int));
-    throw ParameterError("An icosphere of frequency " + std::to_string(frequency) + " has " +
-                         std::to_string(std::llround(vertices)) + " landmarks and takes " +
-                         std::to_string(std::llround(bytes / 1e6)) +
-                         " MB for each surface; the largest frequency is " +
-                         std::to_string(maxIcosphereFrequency) + ".");
+    throw ParameterError(Finding(Fault::IcosphereTooLarge)
+                             .of(std::lround(vertices))
+                             .amid(std::lround(bytes / 1e6))
+                             .at(frequency, 1, maxIcosphereFrequency));
   }
 }
 

@@ -22,7 +22,7 @@ constexpr double minThickness = 1e-6;
 /// count as that large or not at all.
 constexpr double minFaceShare = 1e-5;
 
-/// Throws SurfaceError (Flat, CoordinateRange), which names the surface and says what to do.
+/// Throws SurfaceError: Flat, CoordinateTooLarge or ExtentTooSmall.
 void requireUsableExtent(const ClosedSurface& surface);
 
 }  // namespace sphere_propagation

@@ -73,7 +73,7 @@ struct VertexLocator::Tree {
 };
 
 VertexLocator::VertexLocator(Points points) {
-  if (points.rows() == 0) throw ParameterError("There is no vertex to search among.");
+  if (points.rows() == 0) throw ArgumentError("There is no vertex to search among.");
   tree_ = std::make_unique<Tree>(std::move(points));
 }
 

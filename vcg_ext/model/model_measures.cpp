@@ -74,13 +74,9 @@ Matrix squaredTails(const Matrix& scores, Eigen::Index modes) {
 
 ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
                            const ModelMeasureParameters& parameters, const Progress& progress) {
-  if (parameters.samples < 1 || parameters.samples > ModelMeasureParameters::maxSamples)
-    throw ParameterError("The number of samples for the specificity is " +
-                         std::to_string(parameters.samples) + ": it must lie between 1 and " +
-                         std::to_string(ModelMeasureParameters::maxSamples) + ".");
-  if (modes < 0)
-    throw ParameterError("The number of modes must be 0 or more; it is " + std::to_string(modes) +
-                         ".");
+  requireRange("number of samples for the specificity", parameters.samples,
+               Range::between(1, ModelMeasureParameters::maxSamples));
+  requireRange("number of modes", static_cast<double>(modes), Range::atLeast(0));
   modes = std::min(modes, model.modeCount());
   const double perLandmark = 1 / std::sqrt(static_cast<double>(model.mean.rows()));
 

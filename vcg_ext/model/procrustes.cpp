@@ -61,9 +61,7 @@ void requireSize(const TrainingSet& shapes) {
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shapes.landmarkCount());
   for (const auto& [name, landmarks] : shapes.shapes())
     if (!(centroidSize(landmarks, equal) > 1e-12 * landmarks.cwiseAbs().maxCoeff()))
-      throw ParameterError("Shape \"" + name +
-                           "\": all its landmarks lie in one place, so it cannot be scaled to the "
-                           "others. Hide the layer, or align rigidly.");
+      throw ParameterError(Finding(Fault::LandmarksInOnePlace, name));
 }
 
 Points average(const std::vector<TrainingSet::Shape>& shapes) {
@@ -75,11 +73,8 @@ Points average(const std::vector<TrainingSet::Shape>& shapes) {
 }  // namespace
 
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters) {
-  if (!(parameters.tolerance > 0))
-    throw ParameterError("The tolerance of the alignment must be positive.");
-  if (parameters.iterations < 1)
-    throw ParameterError("The number of alignment iterations is " +
-                         std::to_string(parameters.iterations) + ": it must be 1 or more.");
+  requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));
+  requireRange("number of alignment iterations", parameters.iterations, Range::atLeast(1));
   const std::vector<TrainingSet::Shape>& given = shapes.shapes();
   if (parameters.alignment == Alignment::None) return {shapes, average(given), 0, true};
   const bool scaled = parameters.alignment == Alignment::Similarity;

@@ -4,12 +4,9 @@
 #include <utility>
 
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
 namespace {
-
-std::string quoted(const TrainingSet::Shape& shape) { return "\"" + shape.name + "\""; }
 
 void requireFinite(const TrainingSet::Shape& shape) {
   long count = 0;
@@ -17,38 +14,30 @@ void requireFinite(const TrainingSet::Shape& shape) {
   for (Eigen::Index j = 0; j < shape.landmarks.rows(); ++j)
     if (!shape.landmarks.row(j).allFinite() && count++ == 0) first = j;
   if (count > 0)
-    throw ParameterError("Shape " + quoted(shape) + ": " +
-                         counted(count, "landmark has", "landmarks have") +
-                         " coordinates that are not finite; the first is landmark " +
-                         std::to_string(first) + ". Remesh its surface again, or hide the layer.");
+    throw ParameterError(Finding(Fault::NonFiniteLandmark, shape.name).of(count, first));
 }
 
 }  // namespace
 
 TrainingSet::TrainingSet(std::vector<Shape> shapes, Triangles faces)
     : shapes_(std::move(shapes)), faces_(std::move(faces)) {
-  if (shapes_.size() < 2)
-    throw ParameterError(
-        "A shape model needs at least two shapes; there " +
-        (shapes_.empty() ? std::string("is none.") : "is only " + quoted(shapes_.front()) + "."));
+  if (shapes_.empty()) throw ArgumentError("There is no shape to make a model of.");
   const Shape& first = shapes_.front();
-  if (first.landmarks.rows() == 0)
-    throw ParameterError("Shape " + quoted(first) + " has no landmarks.");
+  if (shapes_.size() < 2) throw ParameterError(Finding(Fault::TooFewShapes, first.name).of(1));
+  if (first.landmarks.rows() == 0) throw ParameterError(Finding(Fault::NoLandmarks, first.name));
   for (const Shape& shape : shapes_) {
     if (shape.landmarks.rows() != first.landmarks.rows())
-      throw ParameterError("Shapes " + quoted(first) + " and " + quoted(shape) +
-                           " do not correspond: they have " +
-                           std::to_string(first.landmarks.rows()) + " and " +
-                           std::to_string(shape.landmarks.rows()) +
-                           " landmarks. Remesh all surfaces with one frequency, or hide the layers "
-                           "that do not belong to the model.");
+      throw ParameterError(Finding(Fault::LandmarkCount, first.name)
+                               .against(shape.name)
+                               .of(first.landmarks.rows())
+                               .amid(shape.landmarks.rows()));
     requireFinite(shape);
   }
   for (Eigen::Index f = 0; f < faces_.rows(); ++f)
     if (faces_.row(f).minCoeff() < 0 || faces_.row(f).maxCoeff() >= first.landmarks.rows())
-      throw ParameterError("Face " + std::to_string(f) +
-                           " refers to a landmark that is not there; there are " +
-                           std::to_string(first.landmarks.rows()) + ".");
+      throw ArgumentError("Face " + std::to_string(f) +
+                          " refers to a landmark that is not there; there are " +
+                          std::to_string(first.landmarks.rows()) + ".");
 }
 
 }  // namespace sphere_propagation

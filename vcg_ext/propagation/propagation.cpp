@@ -19,14 +19,13 @@ void requireFit(const Sequence& sequence, const MappedSurface& root, const Propa
                 const std::optional<Arc>& closing) {
   const auto layers = static_cast<size_t>(sequence.size());
   if (layers == 0 || tree.parent.size() != layers || tree.order.size() != layers)
-    throw ParameterError("The order of propagation is one of " +
-                         std::to_string(tree.parent.size()) + " layers, but there are " +
-                         std::to_string(layers) + ".");
+    throw ArgumentError("The order of propagation is one of " + std::to_string(tree.parent.size()) +
+                        " surfaces, but there are " + std::to_string(layers) + ".");
   if (closing)
     for (int i : {closing->from, closing->to})
       if (i < 0 || i >= sequence.size())
-        throw ParameterError("The arc that closes the cycle joins layer " + std::to_string(i) +
-                             ", which does not exist.");
+        throw ArgumentError("The arc that closes the cycle joins surface " + std::to_string(i) +
+                            ", which does not exist.");
   root.of(sequence.surface(tree.root()));  // throws where the map is another surface's
 }
 
@@ -39,12 +38,8 @@ std::unique_ptr<PropagationStrategy> strategyOf(const PropagationParameters& par
 }  // namespace
 
 void requireValid(const PropagationParameters& parameters) {
-  if (!(parameters.areaRestoration >= 0 && parameters.areaRestoration <= 1))
-    throw ParameterError("The area restoration must lie between 0 and 1; it is " +
-                         std::to_string(parameters.areaRestoration) + ".");
-  if (parameters.threads < 0)
-    throw ParameterError("The number of threads must not be negative; it is " +
-                         std::to_string(parameters.threads) + ".");
+  requireRange("area restoration", parameters.areaRestoration, Range::between(0, 1));
+  requireRange("number of threads", parameters.threads, Range::atLeast(0));
 }
 
 Propagation propagate(const Sequence& sequence, const MappedSurface& root,

@@ -6,7 +6,6 @@
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
-#include "vcg_ext/base/text.h"
 #include "vcg_ext/propagation/aligned/aligned_propagation.h"
 #include "vcg_ext/propagation/published/published_propagation.h"
 
@@ -21,12 +20,10 @@ void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
   for (int i = 0; i < sequence.size(); ++i) {
     const double ratio = sizes[static_cast<size_t>(i)];
     if (ratio < maxRelativeSize && ratio > 1 / maxRelativeSize) continue;
-    throw ParameterError("Layer \"" + sequence.name(i) + "\" is " +
-                         shortNumber(ratio > 1 ? ratio : 1 / ratio) + " times " +
-                         (ratio > 1 ? "larger" : "smaller") + " than layer \"" +
-                         sequence.name(tree.parent[static_cast<size_t>(i)]) +
-                         "\", which its map would come from. Bring all layers to one unit "
-                         "(\"Transform: Scale, Normalize\").");
+    throw ParameterError(Finding(Fault::DifferentUnits, sequence.name(i))
+                             .against(sequence.name(tree.parent[static_cast<size_t>(i)]))
+                             .saying(ratio > 1 ? "larger" : "smaller")
+                             .at(ratio > 1 ? ratio : 1 / ratio, 0, maxRelativeSize));
   }
 }
 

@@ -27,11 +27,7 @@ std::vector<PropagatedLayer> overArcs(
     try {
       made[k] = make(i, *made[static_cast<size_t>(parent)]);
     } catch (const MapError& error) {  // names the target, but knows nothing of the tree
-      throw MapError(error.count, error.first,
-                     std::string(error.what()) + " They come from layer \"" +
-                         task.sequence.name(parent) +
-                         "\", which may be too different from it: choose another order of "
-                         "propagation or another root.");
+      throw MapError(Finding(error.finding()).against(task.sequence.name(parent)));
     }
     made[k]->parent = parent;
     done += task.sequence.surface(i).vertexCount();

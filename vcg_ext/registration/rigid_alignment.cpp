@@ -26,7 +26,7 @@ RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
 
 RigidMotion fitRigid(const Points& from, const Points& to) {
   if (from.rows() == 0 || from.rows() != to.rows())
-    throw ParameterError(
+    throw ArgumentError(
         "A rigid motion is fitted to as many points as it is to reach, and to at least one; given "
         "are " +
         std::to_string(from.rows()) + " and " + std::to_string(to.rows()) + ".");
@@ -40,10 +40,8 @@ RigidMotion fitRigid(const Points& from, const Points& to) {
 }
 
 RigidAlignment alignRigidly(const Points& points, const VertexLocator& reference, int iterations) {
-  if (iterations < 0)
-    throw ParameterError("The number of alignment iterations is " + std::to_string(iterations) +
-                         ": it must be 0 or more.");
-  if (points.rows() == 0) throw ParameterError("There is no point to align.");
+  requireRange("number of alignment iterations", iterations, Range::atLeast(0));
+  if (points.rows() == 0) throw ArgumentError("There is no point to align.");
   RigidAlignment result;
   std::vector<int> before;
   Points targets(points.rows(), 3);

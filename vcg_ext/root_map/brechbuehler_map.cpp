@@ -19,10 +19,10 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 void checkPoles(const ClosedSurface& surface, const Poles& poles) {
   const auto inside = [&](int v) { return v >= 0 && v < surface.vertexCount(); };
   if (!inside(poles.north) || !inside(poles.south) || poles.north == poles.south)
-    throw ParameterError("Layer \"" + surface.name() +
-                         "\": the poles must be two different vertices of its " +
-                         std::to_string(surface.vertexCount()) + ", but they are " +
-                         std::to_string(poles.north) + " and " + std::to_string(poles.south) + ".");
+    throw ArgumentError("Surface \"" + surface.name() +
+                        "\": the poles must be two different vertices of its " +
+                        std::to_string(surface.vertexCount()) + ", but they are " +
+                        std::to_string(poles.north) + " and " + std::to_string(poles.south) + ".");
 }
 
 /// The index of the pole in the ring of the other, -1 if they are no neighbours.

@@ -162,9 +162,9 @@ class Refinement {
       }
       if (attempt == schedule.attempts) {
         const int v = order_[back[static_cast<size_t>(found - lost.begin())]];
-        throw MapError(std::count(lost.begin(), lost.end(), 1), surface_.outgoing(v)[0] / 3,
-                       "Layer \"" + surface_.name() + "\": no room on the sphere for vertex " +
-                           std::to_string(v) + ".");
+        throw MapError(
+            Finding(Fault::NoPlaces, surface_.name())
+                .of(std::count(lost.begin(), lost.end(), 1), surface_.outgoing(v)[0] / 3));
       }
       // Some kernel is empty up to rounding: the faces there are slivers. Without these vertices
       // again, faces get better shapes at the cost of their areas, which come home afterwards.

@@ -23,7 +23,7 @@ struct HierarchicalResult {
 
 /// The map that minimises the area energy with these weights. It does not depend on the number of
 /// threads, nor on the order of vertices and faces but for rounding and vertices at the same place;
-/// it turns with the surface. Throws MapError, which names the layer, when a vertex finds no place:
+/// it turns with the surface. Throws MapError when a vertex finds no place:
 /// its ring's kernel is empty up to rounding.
 HierarchicalResult hierarchicalMap(const ClosedSurface& surface, const AreaEnergyWeights& weights,
                                    ThreadPool& pool, const Progress& progress = {});

@@ -63,11 +63,8 @@ std::string nameOf(InitialMap start) {
 
 RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters& parameters,
                           const Progress& progress) {
-  if (parameters.threads < 0)
-    throw ParameterError("The number of threads must not be negative; it is " +
-                         std::to_string(parameters.threads) + ".");
+  requireRange("number of threads", parameters.threads, Range::atLeast(0));
   energyWeights(parameters.areaWeight);  // before anything is done
-  const std::string layer = "Layer \"" + surface.name() + "\"";
   report(progress, 0);
   ThreadPool pool(surface.vertexCount() < ThreadPool::worthwhile ? 1 : parameters.threads);
   std::string failures;
@@ -75,30 +72,21 @@ RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters&
   for (const InitialMap start : startsToTry(parameters.initialMap)) {
     try {
       RootMapResult result = mapFrom(start, surface, parameters.areaWeight, pool, progress);
-      if (!failures.empty())
-        result.note.append(layer)
-            .append(": the initial map is ")
-            .append(nameOf(start))
-            .append(", since ")
-            .append(failures)
-            .append(".");
+      result.failures = failures;
       report(progress, 1);
       return result;
     } catch (const MapError& error) {
       failures += (failures.empty() ? "" : ", ") + nameOf(start) + " cannot be made valid (" +
-                  std::to_string(error.count) +
+                  std::to_string(error.finding().count) +
                   (start == InitialMap::Hierarchical
                        ? " vertices find no place)"
                        : " of " + std::to_string(surface.faceCount()) + " faces stay flipped)");
-      if (error.count < fewest) fewest = error.count, first = error.first;
+      if (error.finding().count < fewest)
+        fewest = error.finding().count, first = error.finding().first;
     }
   }
-  throw MapError(fewest, first,
-                 layer + " gets no valid map to the sphere: " + failures +
-                     ". The surface may have very thin or folded parts near face " +
-                     std::to_string(first) +
-                     ": remesh it with \"Remeshing: Isotropic Explicit Remeshing\" and run this "
-                     "filter again.");
+  throw MapError(
+      Finding(Fault::NoValidMap, surface.name()).of(fewest, first).saying(std::move(failures)));
 }
 
 }  // namespace sphere_propagation

@@ -33,15 +33,15 @@ struct RootMapResult {
   int levels = 0;         ///< of the hierarchy; 1 for the other starts
   int repairedFaces = 0;  ///< of the start: flipped before its repair
   int steps = 0;          ///< global steps of the minimisation on all vertices
-  std::string note;  ///< for the log: why another start than the first choice was taken; empty when
-                     ///< it was not
+  std::string failures;   ///< why another start than the first choice was taken; empty when it was
+                          ///< not
 };
 
 /// From an initial position on the sphere, where needed repaired locally (untangling.h), to the
 /// area-preserving map. A start that cannot be made a valid map makes way: Brechbuehler's and the
 /// harmonic one for the hierarchical start. Throws ParameterError when areaWeight is outside [0, 1]
-/// or threads below 0, and MapError, which names the layer, says what went wrong with each start
-/// and what to do, when none gives a valid map.
+/// or threads below 0, and MapError, which says what went wrong with each start, when none gives a
+/// valid map.
 RootMapResult makeRootMap(const ClosedSurface& surface, const RootMapParameters& parameters = {},
                           const Progress& progress = {});
 

@@ -11,12 +11,11 @@ PropagationTree givenTree(const PropagationOrder& order, const Sequence& sequenc
   star(sequence.size(), root);  // checks the root
   PropagationTree tree = givenOrder(order.parents);
   if (tree.size() != sequence.size())
-    throw ParameterError("The order of propagation is one of " + std::to_string(tree.size()) +
-                         " layers, but there are " + std::to_string(sequence.size()) + ".");
+    throw ArgumentError("The order of propagation is one of " + std::to_string(tree.size()) +
+                        " surfaces, but there are " + std::to_string(sequence.size()) + ".");
   if (tree.root() != root)
-    throw ParameterError("parents: the root (-1) is layer \"" + sequence.name(tree.root()) +
-                         "\", but root_layer is \"" + sequence.name(root) +
-                         "\". Make them the same.");
+    throw ArgumentError("The parents' root (-1) is surface \"" + sequence.name(tree.root()) +
+                        "\", but it is to be surface \"" + sequence.name(root) + "\".");
   return tree;
 }
 

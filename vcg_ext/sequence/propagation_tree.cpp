@@ -31,16 +31,10 @@ PropagationTree treeOf(std::vector<int> parent, int root) {
 }
 
 void requireRoot(int layers, int root) {
-  if (layers < 1)
-    throw ParameterError(
-        "There is no layer to propagate a parameterisation to: show at least one.");
+  if (layers < 1) throw ParameterError(Finding(Fault::NoSurface));
   if (root < 0 || root >= layers)
-    throw ParameterError("The root is layer " + std::to_string(root) +
-                         ", but the layers are numbered 0 to " + std::to_string(layers - 1) +
-                         ": choose one of them.");
+    throw ParameterError(Finding(Fault::RootOutOfRange).of(1, root).at(root, 0, layers - 1));
 }
-
-std::string layer(size_t i) { return "Layer " + std::to_string(i) + " (counted from 0)"; }
 
 }  // namespace
 
@@ -158,19 +152,13 @@ PropagationTree givenOrder(const std::vector<int>& parents) {
   int root = -1;
   for (int i = 0; i < layers; ++i) {
     if (parents[i] < -1 || parents[i] >= layers)
-      throw ParameterError(layer(i) + " is to get its map from layer " +
-                           std::to_string(parents[i]) +
-                           ", which does not exist: give a number from 0 to " +
-                           std::to_string(layers - 1) + ", or -1 for the root.");
-    if (parents[i] != -1) continue;
-    if (root >= 0)
       throw ParameterError(
-          layer(i) + " is marked as the root (-1), but so is layer " + std::to_string(root) +
-          ": give all layers but one the number of the layer their map comes from.");
+          Finding(Fault::ParentOutOfRange).of(1, i).amid(parents[i]).at(parents[i], 0, layers - 1));
+    if (parents[i] != -1) continue;
+    if (root >= 0) throw ParameterError(Finding(Fault::SecondRoot).of(1, i).amid(root));
     root = i;
   }
-  if (root < 0)
-    throw ParameterError("No layer is marked as the root: give one of them the number -1.");
+  if (root < 0) throw ParameterError(Finding(Fault::NoRoot));
 
   PropagationTree tree = treeOf(parents, root);
   if (tree.order.size() == parents.size()) return tree;
@@ -182,11 +170,8 @@ PropagationTree givenOrder(const std::vector<int>& parents) {
   for (int first = at, i = parents[first]; i != first; i = parents[i]) at = std::min(at, i);
   std::string circle = std::to_string(at);
   for (int i = parents[at]; i != at; i = parents[i]) circle += " <- " + std::to_string(i);
-  throw ParameterError(layer(at) + " would get its map from itself, by way of " + circle + " <- " +
-                       std::to_string(at) +
-                       ": no map reaches these layers. Give one of them a layer that leads back to "
-                       "the root, layer " +
-                       std::to_string(root) + ".");
+  throw ParameterError(
+      Finding(Fault::Circle).of(1, at).amid(root).saying(circle + " <- " + std::to_string(at)));
 }
 
 }  // namespace sphere_propagation

@@ -30,7 +30,7 @@ Eigen::MatrixXd shapeDistances(const Sequence& sequence, ThreadPool& pool) {
 PropagationTree minimumSpanningTree(const Eigen::MatrixXd& distances, int root) {
   const int layers = static_cast<int>(distances.rows());
   if (distances.cols() != layers || !distances.allFinite() || distances != distances.transpose())
-    throw ParameterError(
+    throw ArgumentError(
         "Distances between layers form a square, symmetric matrix of finite numbers; given is one "
         "of " +
         std::to_string(distances.rows()) + " by " + std::to_string(distances.cols()) + ".");

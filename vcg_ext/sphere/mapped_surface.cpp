@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/sphere/mapped_surface.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -12,21 +13,22 @@ namespace {
 
 void requireOnePerVertex(const ClosedSurface& surface, const Points& positions) {
   if (positions.rows() == surface.vertexCount()) return;
-  throw MapError(positions.rows(), -1,
-                 "Layer \"" + surface.name() + "\": " + std::to_string(positions.rows()) +
-                     " sphere positions for " + std::to_string(surface.vertexCount()) +
-                     " vertices.");
+  throw MapError(Finding(Fault::PositionCount, surface.name())
+                     .of(positions.rows())
+                     .amid(surface.vertexCount()));
 }
 
 void requireValid(const ClosedSurface& surface, const Certificate& certificate) {
   if (certificate.valid()) return;
   // Vertices off the sphere and flipped faces are counted apart: the former come first.
-  const bool off = certificate.notOnSphere > 0;
+  if (certificate.notOnSphere > 0)
+    throw MapError(Finding(Fault::NotOnSphere, surface.name())
+                       .of(certificate.notOnSphere, certificate.firstNotOnSphere));
+  if (certificate.flippedFaces > 0)
+    throw MapError(Finding(Fault::FlippedFaces, surface.name())
+                       .of(certificate.flippedFaces, certificate.firstFlippedFace));
   throw MapError(
-      off ? certificate.notOnSphere : certificate.flippedFaces,
-      off ? certificate.firstNotOnSphere : certificate.firstFlippedFace,
-      "Layer \"" + surface.name() +
-          "\": its map to the sphere is not valid: " + certificate.reason() + ".");
+      Finding(Fault::NotCoveredOnce, surface.name()).of(std::lround(certificate.degree)));
 }
 
 }  // namespace
@@ -46,8 +48,8 @@ std::optional<MappedSurface> MappedSurface::ifValid(ClosedSurface surface, Point
 
 MappedSurface MappedSurface::of(ClosedSurface surface) const {
   if (!surface.hasFacesOf(surface_))
-    throw ParameterError("The map of surface \"" + surface_.name() + "\" is none of surface \"" +
-                         surface.name() + "\": their faces differ.");
+    throw ArgumentError("The map of surface \"" + surface_.name() + "\" is none of surface \"" +
+                        surface.name() + "\": their faces differ.");
   return {std::move(surface), positions_};
 }
 

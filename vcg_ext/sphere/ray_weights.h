@@ -23,7 +23,7 @@ inline Vector3 rayWeights(const Vector3& a, const Vector3& b, const Vector3& c, 
 inline Vector3 unitDirection(const Vector3& direction) {
   Vector3 p = direction.stableNormalized();
   if (!(std::fabs(p.squaredNorm() - 1) < 1e-6))
-    throw ParameterError("A direction to locate on the sphere is zero or not finite.");
+    throw ArgumentError("A direction to locate on the sphere is zero or not finite.");
   return p;
 }
 

@@ -70,7 +70,7 @@ SurfacePoint SphereLocator::locate(const Vector3& direction) const {
   // A valid map leaves no gap, and the boxes' margin no face unseen: rather an error than weights
   // that are no numbers.
   if (query.face < 0 || !(query.weights.maxCoeff() > 0))
-    throw MapError(0, -1, "No face of a map was found under a direction.");
+    throw MapError("No face of a map was found under a direction.");
   return pointOfRay(query.face, query.weights);
 }
 

@@ -61,8 +61,7 @@ void requireFreeBorder(const Mask& mask) {
   bool good = mask.size.minCoeff() > 0 && mask.values.size() == mask.voxelCount();
   if (good) forBorder(mask, [&](size_t i) { good = good && mask.values[i] == 0; });
   if (!good)
-    throw ParameterError(
-        "Topology of a mask: its border must be outside, and it must have voxels.");
+    throw ArgumentError("Topology of a mask: its border must be outside, and it must have voxels.");
 }
 
 /// The parts of the inside: the voxels of each, in the order of their first voxels.

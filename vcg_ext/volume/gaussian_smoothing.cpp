@@ -25,7 +25,7 @@ void smoothGaussian(ScalarGrid& grid, double standardDeviation, double truncate)
     text << "Smoothing: the standard deviation must be at least 0, the truncation above 0 and "
             "their product at most 10000, but they are "
          << standardDeviation << " and " << truncate << ".";
-    throw ParameterError(text.str());
+    throw ArgumentError(text.str());
   }
   if (standardDeviation == 0 || grid.values.empty()) return;
   const int radius = static_cast<int>(std::lround(truncate * standardDeviation));

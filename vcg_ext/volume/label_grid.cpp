@@ -14,26 +14,27 @@ double LabelGrid::voxelVolume() const {
 }
 
 void LabelGrid::check() const {
-  std::ostringstream text;
-  if (size.minCoeff() < 1) {
-    text << "The label volume has no voxels: its size is " << size[0] << " x " << size[1] << " x "
-         << size[2] << ".";
-  } else if (values.size() != voxelCount()) {
-    text << "The label volume has " << values.size() << " labels for " << voxelCount()
-         << " voxels.";
-  } else if (!toWorld.allFinite()) {
-    text << "The label volume's position in space is not finite: its affine matrix holds NaN or "
-            "infinite numbers.";
-  } else if (toWorld.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
-    text << "The label volume's matrix is not affine: its last row is " << toWorld.row(3) << ".";
-  } else {
-    // Relative to the product of the spacings: 1 for right angles, 0 in a plane.
-    const double product = spacing().prod(), volume = voxelVolume();
-    if (product > 0 && std::isfinite(product) && volume > 1e-3 * product) return;
-    text << "The label volume's affine matrix maps the voxels into a plane: the spacings are "
-         << spacing().transpose() << " mm and a voxel's volume is " << volume << " mm^3.";
-  }
-  throw VolumeError(text.str());
+  const auto inWords = [](const auto& row) {
+    std::ostringstream text;
+    text << row;
+    return text.str();
+  };
+  if (size.minCoeff() < 1)
+    throw VolumeError(
+        Finding(Fault::EmptyVolume)
+            .saying(inWords(size[0]) + " x " + inWords(size[1]) + " x " + inWords(size[2])));
+  if (values.size() != voxelCount())
+    throw VolumeError(Finding(Fault::LabelCount)
+                          .of(static_cast<long>(values.size()))
+                          .amid(static_cast<long>(voxelCount())));
+  if (!toWorld.allFinite()) throw VolumeError(Finding(Fault::PlaceNotFinite));
+  if (toWorld.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    throw VolumeError(Finding(Fault::MatrixNotAffine).saying(inWords(toWorld.row(3))));
+  // Relative to the product of the spacings: 1 for right angles, 0 in a plane.
+  const double product = spacing().prod(), volume = voxelVolume();
+  if (!(product > 0 && std::isfinite(product) && volume > 1e-3 * product))
+    throw VolumeError(
+        Finding(Fault::MatrixFlattens).saying(inWords(spacing().transpose())).at(volume));
 }
 
 std::map<std::int32_t, long> LabelGrid::count() const {

@@ -80,7 +80,7 @@ class Marcher {
       std::fill(vertexAt_[1].begin(), vertexAt_[1].end(), -1);
     }
     if (points_.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
-      throw ParameterError("Marching cubes: the surface has too many vertices to be numbered.");
+      throw ArgumentError("Marching cubes: the surface has too many vertices to be numbered.");
     IsoSurface result;
     result.vertices.resize(static_cast<Eigen::Index>(points_.size()), 3);
     for (size_t v = 0; v < points_.size(); ++v)
@@ -249,7 +249,7 @@ IsoSurface marchingCubes(const ScalarGrid& grid, double isoValue, FaceRule rule)
             "but the grid has size "
          << grid.size.transpose() << ", " << grid.values.size() << " values, spacing "
          << grid.spacing.transpose() << ", and the iso value is " << isoValue << ".";
-    throw ParameterError(text.str());
+    throw ArgumentError(text.str());
   }
   return Marcher(grid, isoValue, rule).run();
 }

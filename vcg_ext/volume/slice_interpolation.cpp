@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/sentence.h"
 #include "vcg_ext/volume/distance_transform.h"
 #include "vcg_ext/volume/slice_holes.h"
 
@@ -54,9 +55,10 @@ void requireLabels(const LabelGrid& grid, const std::vector<std::int32_t>& label
   for (const auto& label : counts)
     if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label.first);
   if (listed > 10) found += " and " + std::to_string(listed - 10) + " more";
-  throw AbsentLabelError(
-      "No voxel has " + listOf(absent) +
-      (found.empty() ? "; all voxels are 0." : ". The labels that occur are " + found + "."));
+  throw AbsentLabelError(Finding(found.empty() ? Fault::OnlyBackground : Fault::AbsentLabel)
+                             .of(static_cast<long>(absent.size()))
+                             .saying(listOf(absent))
+                             .against(found));
 }
 
 /// room: to be left empty round the labels, mm.
@@ -94,9 +96,8 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
   if ((box + 2 * pads).prod() > std::max(maxGrid, maxPadding * box.prod())) {
     std::ostringstream text;
     const Vector3 size = box.cwiseProduct(spacing);
-    text << "The voxel_size is too large for this label, which lies in a box of " << size[0]
-         << " x " << size[1] << " x " << size[2] << " mm. Choose a smaller voxel_size.";
-    throw ParameterError(text.str());
+    text << size[0] << " x " << size[1] << " x " << size[2];
+    throw ParameterError(Finding(Fault::WorkingVoxelsLarge).saying(text.str()));
   }
   for (int a = 0; a < 3; ++a) {
     const int axis = axes[static_cast<size_t>(a)];
@@ -216,10 +217,8 @@ ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eig
     size[a] = std::ceil((to[a] + stack.spacing[a] / 2 - grid.origin[a]) / h) + margin + 1;
   }
   if (!(size.prod() <= maxGrid)) {
-    std::ostringstream text;
-    text << "Working voxels of " << h << " mm are too small here: there would be " << size.prod()
-         << ", the most are " << maxGrid << ". Choose a larger voxel_size.";
-    throw ParameterError(text.str());
+    throw ParameterError(
+        Finding(Fault::WorkingVoxelsSmall).saying(numeral(size.prod())).at(h, 0, maxGrid));
   }
   grid.size = size.cast<int>();
   grid.values.resize(grid.voxelCount());
@@ -403,15 +402,12 @@ void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
 InterpolatedLabels interpolateSlices(const LabelGrid& labels,
                                      const SliceInterpolationParameters& parameters) {
   labels.check();
-  if (parameters.labels.empty()) throw ParameterError("Label volume: no label was given.");
-  if (!(parameters.voxelSize >= 0) || !std::isfinite(parameters.voxelSize))
-    throw ParameterError(
-        "Label volume: voxel_size must be 0 (the smallest spacing of the file) or more.");
-  if (parameters.longestGap < 0)
-    throw ParameterError("Label volume: the longest gap must be 0 slices or more.");
+  if (parameters.labels.empty()) throw ArgumentError("Label volume: no label was given.");
+  requireRange("voxel size", parameters.voxelSize, Range::atLeast(0));
+  requireRange("longest gap in slices", parameters.longestGap, Range::atLeast(0));
   for (const std::int32_t label : parameters.labels)
     if (label == 0)
-      throw ParameterError("Label volume: 0 is the background; the labels must be other numbers.");
+      throw ArgumentError("Label volume: 0 is the background; the labels must be other numbers.");
   requireLabels(labels, parameters.labels);
   const double h = parameters.voxelSize > 0 ? parameters.voxelSize : labels.spacing().minCoeff();
   Stack stack = stackOf(labels, parameters.labels, (margin + 2) * h);

@@ -39,18 +39,12 @@ class RandomState {
 };
 
 void checkParameters(const PhantomParameters& p) {
-  std::ostringstream text;
-  if (p.phases < 1 || p.phases > PhantomParameters::maxPhases)
-    text << "Phantom: the number of phases must lie between 1 and " << PhantomParameters::maxPhases
-         << ", but it is " << p.phases << ".";
-  else if (!(p.voxelSize >= PhantomParameters::minVoxelSize &&
-             p.voxelSize <= PhantomParameters::maxVoxelSize))
-    text << "Phantom: the voxel size must lie between " << PhantomParameters::minVoxelSize
-         << " and " << PhantomParameters::maxVoxelSize << " mm, but it is " << p.voxelSize << ".";
-  else if (!(std::fabs(p.twist) <= PhantomParameters::maxTwist))
-    text << "Phantom: the twist must lie between " << -PhantomParameters::maxTwist << " and "
-         << PhantomParameters::maxTwist << " degrees, but it is " << p.twist << ".";
-  if (!text.str().empty()) throw ParameterError(text.str());
+  requireRange("number of the phantom's phases", p.phases,
+               Range::between(1, PhantomParameters::maxPhases));
+  requireRange("phantom's voxel size in mm", p.voxelSize,
+               Range::between(PhantomParameters::minVoxelSize, PhantomParameters::maxVoxelSize));
+  requireRange("phantom's twist in degrees", p.twist,
+               Range::between(-PhantomParameters::maxTwist, PhantomParameters::maxTwist));
 }
 
 /// Sets the samples of slice k whose centres the closed polygon surrounds (even-odd rule).
@@ -190,9 +184,9 @@ Points VentriclePhantom::sheet(int rows, int columns, double phase, double m) co
 
 ScalarGrid VentriclePhantom::mask(int phase) const {
   if (phase < 0 || phase >= parameters_.phases)
-    throw ParameterError("Phantom: there is no phase " + std::to_string(phase) +
-                         ", they are numbered from 0 to " + std::to_string(parameters_.phases - 1) +
-                         ".");
+    throw ArgumentError("Phantom: there is no phase " + std::to_string(phase) +
+                        ", they are numbered from 0 to " + std::to_string(parameters_.phases - 1) +
+                        ".");
   const double h = parameters_.voxelSize;
   const Points inner = sheet(maskRows, 2 * maskRows, phase, 0),
                outer = sheet(maskRows, 2 * maskRows, phase, 1);

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/base/text.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/volume/gaussian_smoothing.h"
 #include "vcg_ext/volume/marching_cubes.h"
@@ -109,9 +108,8 @@ void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviatio
 
 VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
                             const Progress& progress) {
-  if (!(parameters.smoothing >= 0 && parameters.smoothing <= VolumeSurfaceParameters::maxSmoothing))
-    throw ParameterError("Label volume: smoothing must lie between 0 and " +
-                         shortNumber(VolumeSurfaceParameters::maxSmoothing) + " working voxels.");
+  requireRange("smoothing in working voxels", parameters.smoothing,
+               Range::between(0, VolumeSurfaceParameters::maxSmoothing));
   InterpolatedLabels field = interpolateSlices(labels, parameters.interpolation);
   ScalarGrid& grid = field.grid;
   const double h = grid.spacing[0];
@@ -124,9 +122,7 @@ VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParamete
   Mask mask(grid.size);
   for (size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = grid.values[i] > 0;
   result.workingVoxels = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
-  if (result.workingVoxels == 0)
-    throw VolumeError("The label is so thin that no working voxel of " + std::to_string(h) +
-                      " mm lies inside: choose a smaller voxel_size.");
+  if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(h));
   if (parameters.keepLargestComponent) result.dropped = keepLargestPart(mask);
   if (parameters.fillHoles) result.filledVoxels = fillCavities(mask);
   if (parameters.cutHandles)

@@ -28,10 +28,6 @@ std::string endingOf(const fs::path& path) {
   return ending;
 }
 
-[[noreturn]] void fail(const fs::path& path, const std::string& why) {
-  throw ExportError("The model cannot be written to \"" + path.u8string() + "\": " + why);
-}
-
 /// Writes beside the file and renames: what was there stays until the new file is complete.
 void write(const fs::path& path, const std::string& content) {
   fs::path part = path;
@@ -47,7 +43,8 @@ void write(const fs::path& path, const std::string& content) {
   }
   std::error_code ignored;
   fs::remove(part, ignored);
-  fail(path, error ? error.message() + "." : std::string("writing failed."));
+  throw ExportError(Finding(Fault::NotWritten, path.u8string())
+                        .saying(error ? error.message() : std::string("writing failed")));
 }
 
 }  // namespace
@@ -61,15 +58,18 @@ std::string modelFileEndings() {
 void requireExportable(const std::string& name) {
   const fs::path path = fs::u8path(name);
   const std::string ending = endingOf(path);
+  const auto refuse = [&](Fault fault, std::string other = {}) {
+    throw ExportError(
+        Finding(fault, path.u8string()).against(std::move(other)).saying(modelFileEndings()));
+  };
+  if (ending.empty()) refuse(Fault::NoFileEnding);
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-    fail(path, (ending.empty() ? "its name has no ending"
-                               : "\"" + ending + "\" is no format that is known") +
-                   "; choose one of " + modelFileEndings() + ".");
+    refuse(Fault::UnknownFileFormat, ending);
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail(path, "it is a folder. Name a file.");
+  if (fs::is_directory(path, ignored)) refuse(Fault::FileIsFolder);
   const fs::path folder = path.parent_path();
   if (!folder.empty() && !fs::is_directory(folder, ignored))
-    fail(path, "there is no folder \"" + folder.u8string() + "\". Make it first.");
+    refuse(Fault::NoFolder, folder.u8string());
 }
 
 std::vector<std::string> exportModel(const std::string& name, const ShapeModel& model,

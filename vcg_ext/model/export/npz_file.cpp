@@ -37,7 +37,7 @@ class Zip {
  public:
   void add(const std::string& name, const std::string& content) {
     if (bytes_.size() + content.size() > maxZip)
-      throw ExportError("The model is too large for a .npz file (4 GB). Keep fewer modes.");
+      throw ExportError(Finding(Fault::FileTooLarge).saying(".npz"));
     Bytes common;           // what local header and directory have in common
     common.put(20, 2);      // version that can read it
     common.put(0, 2);       // flags
@@ -90,7 +90,7 @@ Bytes npyHeader(const std::string& type, const std::vector<Eigen::Index>& shape)
 template <class Matrix>
 std::string doubles(const std::vector<Eigen::Index>& shape, const Matrix& rows) {
   if (static_cast<std::size_t>(rows.size()) > maxZip / 8)
-    throw ExportError("The model is too large for a .npz file (4 GB). Keep fewer modes.");
+    throw ExportError(Finding(Fault::FileTooLarge).saying(".npz"));
   Bytes bytes = npyHeader("<f8", shape);
   bytes.reserve(bytes.size() + 8 * static_cast<std::size_t>(rows.size()));
   for (Eigen::Index r = 0; r < rows.rows(); ++r)

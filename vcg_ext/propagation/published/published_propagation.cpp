@@ -107,8 +107,7 @@ Points placeMovingNodes(const ClosedSurface& target, const FixedNodes& nodes) {
   const auto firstFixed =
       std::find(nodes.isFixed.begin(), nodes.isFixed.end(), 1) - nodes.isFixed.begin();
   if (firstFixed == target.vertexCount())
-    throw PropagationError("Layer \"" + target.name() +
-                           "\": no vertex has a position on the sphere to begin with.");
+    throw PropagationError(Finding(Fault::NothingFixed, target.name()));
   std::vector<int> moving, row(static_cast<size_t>(target.vertexCount()), -1);
   for (int v = 0; v < target.vertexCount(); ++v)
     if (!nodes.isFixed[v]) {
@@ -147,9 +146,7 @@ Points placeMovingNodes(const ClosedSurface& target, const FixedNodes& nodes) {
 }
 
 Points smoothOnSphere(const ClosedSurface& surface, const Points& positions, int sweeps) {
-  if (sweeps < 0)
-    throw ParameterError("The number of smoothing sweeps is " + std::to_string(sweeps) +
-                         ": it must be 0 or more.");
+  requireRange("number of smoothing sweeps", sweeps, Range::atLeast(0));
   Points before = positions, after(positions.rows(), 3);
   if (sweeps == 0) return before;
   const std::vector<double> weights = convexWeights(surface);
@@ -186,13 +183,9 @@ TransferredMap propagateAsPublished(const MappedSurface& reference, const Closed
                                     const PublishedParameters& parameters) {
   const auto [aligned, pairs, nodes] = findCorrespondence(reference, target, parameters);
   if (nodes.count() == 0)
-    throw PropagationError(
-        "Layer \"" + target.name() + "\" corresponds nowhere to layer \"" +
-        reference.surface().name() +
-        "\", from which it is to get its parameterisation: all " +
-        std::to_string(pairs) +
-        " vertices that are nearest to each other lie in triangles of opposite orientation. Choose "
-        "another order of propagation or another root, or the method \"Robust\".");
+    throw PropagationError(Finding(Fault::NoCorrespondence, target.name())
+                               .of(pairs)
+                               .against(reference.surface().name()));
   const Points positions =
       smoothOnSphere(target, placeMovingNodes(target, nodes), parameters.smoothingSweeps);
   Untangled repaired = mend(target, positions);

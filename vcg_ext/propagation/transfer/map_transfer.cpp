@@ -34,13 +34,13 @@ std::vector<double> minCosines(const ClosedSurface& surface, const Points& verte
 
 void requireMoved(const ClosedSurface& reference, const Points& movedVertices) {
   if (movedVertices.rows() != reference.vertexCount())
-    throw ParameterError("Layer \"" + reference.name() + "\" has " +
-                         std::to_string(reference.vertexCount()) +
-                         " vertices, but the moved shape that is given as its own has " +
-                         std::to_string(movedVertices.rows()) + " positions.");
+    throw ArgumentError("Surface \"" + reference.name() + "\" has " +
+                        std::to_string(reference.vertexCount()) +
+                        " vertices, but the moved shape that is given as its own has " +
+                        std::to_string(movedVertices.rows()) + " positions.");
   if (!movedVertices.allFinite())
-    throw ParameterError("Layer \"" + reference.name() +
-                         "\" was moved to positions that are no finite numbers.");
+    throw ArgumentError("Surface \"" + reference.name() +
+                        "\" was moved to positions that are no finite numbers.");
 }
 
 /// locator: of the moved reference.

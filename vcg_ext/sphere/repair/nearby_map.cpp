@@ -119,11 +119,7 @@ class Refinement {
     Vector3 x;
     // It left to its someHalfEdge's target; undo() puts that one first.
     if (!placeInKernel(rim_, rim_[0], Admissible::minSolidAngle, x))
-      throw MapError(1, order_[static_cast<size_t>(v)],
-                     "Layer \"" + surface_.name() +
-                         "\": its positions on the sphere cannot be made a valid map: there is no "
-                         "room for vertex " +
-                         std::to_string(order_[static_cast<size_t>(v)]) + ".");
+      throw MapError(Finding(Fault::NoRoom, surface_.name()).of(1, order_[static_cast<size_t>(v)]));
     positions_.row(v) = (asksForAPlace(v) ? moved(x, target(v)) : x).transpose();
   }
 

@@ -15,7 +15,7 @@ namespace sphere_propagation {
 /// size of the folds. (The hierarchy is that of hierarchical_map.h.)
 ///
 /// positions: #V by 3, unit vectors; those that are not finite or zero ask for no place.
-/// Throws MapError, which names the layer, when a vertex finds no place: its ring's kernel is empty
+/// Throws MapError when a vertex finds no place: its ring's kernel is empty
 /// up to rounding.
 MappedSurface nearbyMap(const ClosedSurface& surface, const Points& positions);
 

@@ -167,13 +167,9 @@ Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings,
   for (int rings = 1; !region.empty(); rings = grown(rings, maxRings)) {
     if (last || !region.free(rings)) {
       const Certificate now = certify(surface.faces(), positions);
-      throw MapError(
-          now.flippedFaces, now.firstFlippedFace,
-          "Layer \"" + surface.name() +
-              "\": its positions on the sphere cannot be made a valid map by local repair: " +
-              std::to_string(before.flippedFaces) + " faces were flipped, " +
-              std::to_string(now.flippedFaces) + " still are, the first is face " +
-              std::to_string(now.firstFlippedFace) + ".");
+      throw MapError(Finding(Fault::NotRepairable, surface.name())
+                         .of(now.flippedFaces, now.firstFlippedFace)
+                         .amid(before.flippedFaces));
     }
     const auto free = static_cast<double>(region.freeVertices().size());
     report(progress, share = std::max(share, free / surface.vertexCount()));

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// The texts of messages.def as constants of their names, and all of them.
+
+#include <array>
+
+#include "host/message.h"
+
+namespace sphere_propagation::messages {
+
+#define MESSAGE(name, kind, text) \
+  inline constexpr host::Message name{#name, host::Message::Kind::kind, text};
+#include "filter_sphere_propagation/messages.def"
+#undef MESSAGE
+
+inline constexpr std::array all{
+#define MESSAGE(name, kind, text) name,
+#include "filter_sphere_propagation/messages.def"
+#undef MESSAGE
+};
+
+}  // namespace sphere_propagation::messages

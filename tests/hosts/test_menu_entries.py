@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""What our messages call MeshLab's filters is what MeshLab 2020.09 calls them."""
+
+import os
+import sys
+from pathlib import Path
+
+from conftest import PREFIX
+from environment import PROJECT
+
+sys.path.insert(0, str(PROJECT / "tests/docs"))
+from messages import catalogue
+
+
+def plugins(prefix):
+    """What the plugins of MeshLab's filters hold; its folders are links."""
+    for folder, _, files in os.walk(prefix, followlinks=True):
+        for file in files:
+            if file.startswith("libfilter_") and "sphere" not in file and file.endswith(".so"):
+                yield (Path(folder) / file).read_bytes()
+
+
+def test_menu_entries_are_those_of_meshlab_2020():
+    words = list(plugins(PREFIX))
+    assert words
+    for entry in catalogue()["entries"]:
+        name = b"\0" + entry["2020.09"].encode() + b"\0"  # the whole of it
+        assert any(name in plugin for plugin in words), entry
