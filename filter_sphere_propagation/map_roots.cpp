@@ -14,11 +14,12 @@ using Labels = std::vector<std::string>;
 
 /// "a", "b", "c" and 4 more
 std::string listed(const Labels& labels) {
-  constexpr size_t most = 3;
+  constexpr size_t maxNamed = 3;
   std::string text;
-  for (size_t i = 0; i < std::min(labels.size(), most); ++i)
+  for (size_t i = 0; i < std::min(labels.size(), maxNamed); ++i)
     text += (i > 0 ? ", \"" : "\"") + labels[i] + "\"";
-  if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
+  if (labels.size() > maxNamed)
+    text += " and " + std::to_string(labels.size() - maxNamed) + " more";
   return text;
 }
 
@@ -45,14 +46,14 @@ Roots rootsOf(const std::vector<host::Layer>& layers) {
 
 /// ("a", "b" from one; "c" from another; and 2 more roots)
 std::string inBrackets(const Roots& roots) {
-  constexpr size_t most = 4;
+  constexpr size_t maxNamed = 4;
   std::string text;
-  for (size_t i = 0; i < std::min(roots.known.size(), most); ++i)
+  for (size_t i = 0; i < std::min(roots.known.size(), maxNamed); ++i)
     text += (i > 0 ? "; " : "") + listed(roots.known[i].second) +
             (i > 0 ? " from another" : " from one");
-  if (roots.known.size() > most)
-    text +=
-        "; and " + counted(static_cast<long>(roots.known.size() - most), "more root", "more roots");
+  if (roots.known.size() > maxNamed)
+    text += "; and " +
+            counted(static_cast<long>(roots.known.size() - maxNamed), "more root", "more roots");
   return "(" + text + ")";
 }
 

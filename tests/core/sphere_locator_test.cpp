@@ -195,8 +195,7 @@ TEST(SphereWalk, EndsInTheFaceUnderTheDirection) {
   for (int i = 0; i < 300; ++i) {
     const Vector3 p = random.direction();
     const int start = random.index(sphere.surface.faceCount());
-    EXPECT_EQ(walkOverSphere(sphere.surface, sphere.map.positions(), p, start),
-              sphere.locator.locate(p).face);
+    EXPECT_EQ(walkOverSphere(sphere.map, p, start), sphere.locator.locate(p).face);
   }
 }
 

@@ -10,7 +10,7 @@ namespace sphere_propagation {
 namespace {
 
 /// For each vertex of the surface the face of the icosphere under its position on the sphere.
-std::vector<int> icosphereFaces(const MappedSurface& mapped, const ClosedSurface& sphere) {
+std::vector<int> icosphereFaces(const MappedSurface& mapped, const MappedSurface& sphere) {
   const ClosedSurface& surface = mapped.surface();
   std::vector<int> under(static_cast<size_t>(surface.vertexCount()), -1);
   for (int v = 0; v < surface.vertexCount(); ++v) {
@@ -20,8 +20,7 @@ std::vector<int> icosphereFaces(const MappedSurface& mapped, const ClosedSurface
         start = under[static_cast<size_t>(neighbour)];
         break;
       }
-    under[static_cast<size_t>(v)] =
-        walkOverSphere(sphere, sphere.vertices(), mapped.position(v), start);
+    under[static_cast<size_t>(v)] = walkOverSphere(sphere, mapped.position(v), start);
   }
   return under;
 }
@@ -30,7 +29,7 @@ std::vector<int> icosphereFaces(const MappedSurface& mapped, const ClosedSurface
 
 IcosphereRemesher::IcosphereRemesher(int frequency)
     : sphere_(icosphere(frequency)),
-      connected_(sphere_.vertices, sphere_.faces),
+      connected_(ClosedSurface(sphere_.vertices, sphere_.faces, "icosphere"), sphere_.vertices),
       order_(SurfaceLocator(sphere_.vertices, sphere_.faces).order()),
       rank_(order_.size()) {
   for (size_t i = 0; i < order_.size(); ++i)
@@ -41,7 +40,8 @@ Remeshed IcosphereRemesher::remesh(const MappedSurface& surface) const {
   return sphere_propagation::remesh(surface, sphere_.vertices);
 }
 
-SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed, const MappedSurface& mapped) const {
+SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed,
+                                            const MappedSurface& mapped) const {
   const ClosedSurface& surface = mapped.surface();
   DistanceHints hints;
   hints.landmarksOnSurface = true;

@@ -28,7 +28,7 @@ class IcosphereRemesher {
 
  private:
   Icosphere sphere_;
-  ClosedSurface connected_;  // the icosphere, to walk over
+  MappedSurface connected_;  // the icosphere, to walk over
   std::vector<int> order_;   // of its faces, in which neighbours are near
   std::vector<int> rank_;    // of each face in that order
 };

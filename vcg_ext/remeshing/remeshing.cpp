@@ -44,7 +44,8 @@ Remeshed remesh(const MappedSurface& surface, const Points& directions) {
   result.faces.reserve(static_cast<size_t>(directions.rows()));
   for (Eigen::Index j = 0; j < directions.rows(); ++j) {
     const SurfacePoint found = walk.locate(directions.row(j).transpose());
-    result.landmarks.row(j) = found.interpolate(surface.faces(), surface.surface().vertices()).transpose();
+    result.landmarks.row(j) =
+        found.interpolate(surface.faces(), surface.surface().vertices()).transpose();
     result.faces.push_back(found.face);
   }
   return result;

@@ -21,11 +21,10 @@ struct Arrival {
   bool inside;  ///< or where rounding decides
 };
 
-Arrival walk(const ClosedSurface& surface, const Points& positions, const Vector3& p, int face) {
+Arrival walk(const MappedSurface& mapped, const Vector3& p, int face) {
+  const ClosedSurface& surface = mapped.surface();
   const Triangles& faces = surface.faces();
-  const auto corner = [&](int f, int k) -> Vector3 {
-    return positions.row(faces(f, k)).transpose();
-  };
+  const auto corner = [&](int f, int k) { return mapped.position(faces(f, k)); };
   const int steps = 16 + 4 * static_cast<int>(std::sqrt(static_cast<double>(surface.faceCount())));
   Vector3 weights;
   for (int i = 0;; ++i) {
@@ -39,16 +38,15 @@ Arrival walk(const ClosedSurface& surface, const Points& positions, const Vector
 
 }  // namespace
 
-int walkOverSphere(const ClosedSurface& surface, const Points& positions, const Vector3& direction,
-                   int start) {
-  return walk(surface, positions, direction, start).face;
+int walkOverSphere(const MappedSurface& surface, const Vector3& direction, int start) {
+  return walk(surface, direction, start).face;
 }
 
 SphereWalk::SphereWalk(MappedSurface surface) : surface_(std::move(surface)) {}
 
 SurfacePoint SphereWalk::locate(const Vector3& direction) {
   const Vector3 p = unitDirection(direction);
-  const Arrival arrival = walk(surface_.surface(), surface_.positions(), p, at_);
+  const Arrival arrival = walk(surface_, p, at_);
   at_ = arrival.face;
   double farthest = 0;
   for (int k = 0; k < 3; ++k)

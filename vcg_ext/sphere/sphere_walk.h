@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "vcg_ext/mesh/closed_surface.h"
-#include "vcg_ext/sphere/sphere_locator.h"
 #include "vcg_ext/sphere/mapped_surface.h"
+#include "vcg_ext/sphere/sphere_locator.h"
 
 namespace sphere_propagation {
 
@@ -30,10 +30,9 @@ class SphereWalk {
   std::optional<SphereLocator> locator_;
 };
 
-/// The face of a valid map that a walk towards a direction ends in: the one under the direction, or
-/// where rounding decides, one beside it; after 16 + 4 sqrt(#F) faces wherever it is then.
-/// positions: #V by 3, the map; direction: a unit vector; start: the face that the walk begins in.
-int walkOverSphere(const ClosedSurface& surface, const Points& positions, const Vector3& direction,
-                   int start);
+/// The face of a map that a walk towards a direction ends in: the one under the direction, or where
+/// rounding decides, one beside it; after 16 + 4 sqrt(#F) faces wherever it is then. direction: a
+/// unit vector; start: the face that the walk begins in.
+int walkOverSphere(const MappedSurface& surface, const Vector3& direction, int start);
 
 }  // namespace sphere_propagation

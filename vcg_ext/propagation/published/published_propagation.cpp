@@ -32,8 +32,8 @@ bool pointsInwards(const Vector3& a, const Vector3& b, const Vector3& c) {
 /// Weights of the ring of every vertex, one run after the other, each run of sum 1.
 std::vector<double> convexWeights(const ClosedSurface& surface) {
   const double mean = meanEdgeLength(surface.vertices(), surface.faces());
-  constexpr double least =
-      1e-12;  // an edge without length would take all of the weight, and more than fits a number
+  // An edge without length would take all of the weight, and more than fits a number.
+  constexpr double minRelativeLength = 1e-12;
   std::vector<double> weights;
   weights.reserve(3 * static_cast<size_t>(surface.faceCount()));
   for (int v = 0; v < surface.vertexCount(); ++v) {
@@ -41,7 +41,7 @@ std::vector<double> convexWeights(const ClosedSurface& surface) {
     double sum = 0;
     for (int w : surface.ring(v)) {
       const double weight =
-          1 / std::max((surface.vertex(v) - surface.vertex(w)).norm() / mean, least);
+          1 / std::max((surface.vertex(v) - surface.vertex(w)).norm() / mean, minRelativeLength);
       weights.push_back(weight);
       sum += weight;
     }
