@@ -15,7 +15,6 @@ constexpr int affineIterations = 10;
 /// Weight of staying as it is against a unit of the surface's area: enough that noise cannot shear
 /// a shape without features, a tenth of what the data say of a strain.
 constexpr double ridge = 0.03;
-constexpr double agreement = 0.3;  // of normals, as in map_transfer.h
 
 /// A third of the area of the faces around each vertex, as a share of all.
 Eigen::VectorXd vertexShares(const Points& vertices, const Triangles& faces) {
@@ -29,7 +28,7 @@ Points closestPoints(const ClosedSurface& surface, const SurfaceLocator& locator
   Points closest(points.rows(), 3);
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
     const Vector3 x = points.row(v).transpose();
-    SurfacePoint point = locator.closest(x, normals.row(v).transpose(), agreement);
+    SurfacePoint point = locator.closest(x, normals.row(v).transpose(), minNormalAgreement);
     if (point.face < 0) point = locator.closest(x);
     closest.row(v) = point.interpolate(surface.faces(), surface.vertices()).transpose();
   }

@@ -13,9 +13,6 @@
 namespace sphere_propagation {
 namespace {
 
-/// About 73 degrees: neighbouring phases turn a normal by less, and the other side of a wall looks
-/// the other way.
-constexpr double agreement = 0.3;
 constexpr double shareOfOwn = 0.9;
 
 /// The least dot product of a face's normal with the normal of each vertex for the two to agree;
@@ -27,7 +24,7 @@ std::vector<double> minCosines(const ClosedSurface& surface, const Points& verte
     double best = 0;
     for (int h : surface.outgoing(v))
       best = std::max(best, normals.row(h / 3).dot(vertexNormals.row(v)));
-    least[v] = best > 0 ? std::min(agreement, shareOfOwn * best) : 2;
+    least[v] = best > 0 ? std::min(minNormalAgreement, shareOfOwn * best) : 2;
   }
   return least;
 }

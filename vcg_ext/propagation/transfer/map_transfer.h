@@ -11,6 +11,10 @@
 
 namespace sphere_propagation {
 
+/// Normals agree where their dot product is at least this, about 73 degrees: neighbouring phases
+/// turn a normal by less, and the other side of a wall looks the other way.
+constexpr double minNormalAgreement = 0.3;
+
 /// A map that came to a surface from another one.
 struct TransferredMap {
   MappedSurface map;      ///< of the target, valid
