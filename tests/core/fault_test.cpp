@@ -60,8 +60,8 @@ TEST(Fault, EachHasANameAndASentenceOfTheLibrarysOwn) {
 
 TEST(Fault, IsStatedInTheReadersWordForASurface) {
   const Finding finding = Finding(Fault::NoCorrespondence, "a").against("b").of(7);
-  EXPECT_EQ(statement(finding).substr(0, 43), "Surface \"a\" corresponds nowhere to surface \"");
-  EXPECT_EQ(statement(finding, "layer").substr(0, 39),
+  EXPECT_EQ(statement(finding).substr(0, 44), "Surface \"a\" corresponds nowhere to surface \"");
+  EXPECT_EQ(statement(finding, "layer").substr(0, 40),
             "Layer \"a\" corresponds nowhere to layer \"");
   EXPECT_EQ(statement(Finding(Fault::RootOutOfRange).of(1, 9).at(9, 0, 4), "layer"),
             "The root is layer 9, but the layers are numbered 0 to 4");

@@ -70,6 +70,20 @@ extern "C" __attribute__((visibility("default"))) const char* plugin_messages(co
   return text.c_str();
 }
 
+/// Of all filters of a plugin, a line each, the name in Python, a tab, and the name in MeshLab's
+/// menus; empty where the file is no such plugin.
+extern "C" __attribute__((visibility("default"))) const char* filter_names(const char* file) {
+  static std::string text;
+  text.clear();
+  QPluginLoader loader(QString::fromUtf8(file));
+  auto* plugin = dynamic_cast<FilterPlugin*>(loader.instance());
+  if (plugin == nullptr) return text.c_str();
+  for (const QAction* action : plugin->actions())
+    text +=
+        (plugin->pythonFilterName(action) + "\t" + plugin->filterName(action) + "\n").toStdString();
+  return text.c_str();
+}
+
 /// XML of all filters of a plugin, with their parameters as in a filter script; empty where the
 /// file is no such plugin. The text belongs to the library and lasts until the next call.
 extern "C" __attribute__((visibility("default"))) const char* filter_descriptions(

@@ -15,7 +15,6 @@ import ast
 import ctypes
 import json
 import re
-import xml.etree.ElementTree as xml
 from typing import Iterator, List, Tuple
 
 from pages import PROJECT
@@ -44,8 +43,8 @@ def said_by(plugin):
 
 def menu_entries(file):
     """Of a plugin's filters by their names in Python those in MeshLab's menus."""
-    filters = xml.fromstring(_library().filter_descriptions(str(file).encode()).decode())
-    return {f.get("python_name"): f.get("name") for f in filters}
+    lines = _library().filter_names(str(file).encode()).decode().splitlines()
+    return dict(line.split("\t") for line in lines)
 
 
 def _library():
@@ -54,7 +53,7 @@ def _library():
     library = ctypes.CDLL(str(PROJECT / "build/pymeshlab/tests/libfilter_descriptions.so"))
     for function in (
         library.error_sentences,
-        library.filter_descriptions,
+        library.filter_names,
         library.plugin_messages,
     ):
         function.restype = ctypes.c_char_p

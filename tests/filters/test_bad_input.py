@@ -462,7 +462,7 @@ def test_bad_parents(text, words):
 
 
 @pytest.mark.parametrize(
-    "name, words", [("smoothing_sweeps", "smoothing sweeps is -1"), ("icp_iterations", "-1")]
+    "name, words", [("smoothing_sweeps", "smoothing sweeps must be 0 or more; it is -1"), ("icp_iterations", "-1")]
 )
 def test_negative_numbers_of_steps(name, words):
     ms = mapped_cycle(2)
@@ -499,12 +499,12 @@ def peak_memory():
 @pytest.mark.parametrize(
     "frequency, words",
     [
-        (0, "at least 1, not 0"),
-        (-1, "at least 1, not -1"),
+        (0, "1 or more; it is 0"),
+        (-1, "1 or more; it is -1"),
         (1001, "the largest frequency is 1000"),
         (100000, "the largest frequency is 1000"),
         (2**31 - 1, "the largest frequency is 1000"),
-        (-(2**31), "at least 1"),
+        (-(2**31), "1 or more"),
         (1000, "30000006 landmarks"),  # in the range, but too much for three layers
     ],
 )
