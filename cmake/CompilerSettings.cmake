@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-only
-# Flags of this project's own targets; link `compiler_settings` PRIVATE. Other people's headers come in as SYSTEM and stay silent.
-add_library(compiler_settings INTERFACE)
+# Flags of this project's own targets; link `sphere_propagation_settings` PRIVATE. Other people's headers come in as SYSTEM and stay silent.
+add_library(sphere_propagation_settings INTERFACE)
 
 # Fused multiply-adds change the last bit from one processor to the next: results should not depend on the machine.
-target_compile_options(compiler_settings INTERFACE
+target_compile_options(sphere_propagation_settings INTERFACE
   -Wall -Wextra -Wpedantic $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow> -Wfloat-conversion -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi
   -ffp-contract=off)
 
 if(SPHERE_PROPAGATION_WERROR)
-  target_compile_options(compiler_settings INTERFACE -Werror)
+  target_compile_options(sphere_propagation_settings INTERFACE -Werror)
 endif()
 
 if(SPHERE_PROPAGATION_SANITIZE)
-  target_compile_options(compiler_settings INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
-  target_compile_definitions(compiler_settings INTERFACE _GLIBCXX_ASSERTIONS)
-  target_link_options(compiler_settings INTERFACE -fsanitize=address,undefined)
+  target_compile_options(sphere_propagation_settings INTERFACE
+    -fsanitize=${SPHERE_PROPAGATION_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_definitions(sphere_propagation_settings INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(sphere_propagation_settings INTERFACE -fsanitize=${SPHERE_PROPAGATION_SANITIZE})
 endif()

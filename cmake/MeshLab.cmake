@@ -11,7 +11,7 @@ set(MESHLAB_SOURCE_DIR "$ENV{MESHLAB_SOURCE_DIR}" CACHE PATH "Unpacked MeshLab s
 
 if(NOT MESHLAB_SOURCE_DIR)
   string(REGEX REPLACE "d$" "" release ${MESHLAB_VERSION})
-  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/scripts/needs headers ${release}
+  execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/needs headers ${release}
                   OUTPUT_VARIABLE MESHLAB_SOURCE_DIR OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "MeshLab's headers could not be fetched: see above, or set MESHLAB_SOURCE_DIR to an unpacked MeshLab ${release}.")
@@ -47,21 +47,31 @@ if(SPHERE_PROPAGATION_PLUGINS)
 
   # An empty library that carries the name of MeshLab's own. PyMeshLab loads plugins with RTLD_LOCAL, so a plugin finds the
   # host's functions only when it names the library that holds them; the real one is loaded before any plugin.
-  file(WRITE ${CMAKE_BINARY_DIR}/stub/stub.cpp "")
-  add_library(meshlab_common_stub SHARED ${CMAKE_BINARY_DIR}/stub/stub.cpp)
+  file(WRITE ${PROJECT_BINARY_DIR}/stub/stub.cpp "")
+  add_library(meshlab_common_stub SHARED ${PROJECT_BINARY_DIR}/stub/stub.cpp)
   set_target_properties(meshlab_common_stub PROPERTIES
-    OUTPUT_NAME meshlab-common LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/stub)
+    OUTPUT_NAME meshlab-common LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/stub)
 endif()
 
 include(EmbedTexts)
 add_custom_target(plugins) # all of them, without tests and benchmarks
 set(MESHLAB_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
 
+# What the plugins share, compiled once.
+if(SPHERE_PROPAGATION_PLUGINS)
+  file(GLOB host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/host/*.cpp ${PROJECT_SOURCE_DIR}/host/${meshlab_host}/*.cpp)
+  add_library(host OBJECT ${host_sources})
+  set_target_properties(host PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_link_libraries(host PUBLIC vcg_ext meshlab_headers PRIVATE sphere_propagation_settings)
+  compile_by_folder(host)
+endif()
+
 # A plugin build/<preset>/plugins/lib<NAME>.so. Its functions that only the host defines stay undefined until it is loaded.
+# <NAME>.cpp, which holds the plugin's class, is compiled by itself: Qt's macros (slots, emit) are for no other file.
 function(add_meshlab_plugin NAME)
-  file(GLOB host_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/host/*.cpp ${CMAKE_SOURCE_DIR}/host/${meshlab_host}/*.cpp)
-  add_library(${NAME} MODULE ${ARGN} ${host_sources})
-  target_link_libraries(${NAME} PRIVATE vcg_ext meshlab_headers compiler_settings)
+  add_library(${NAME} MODULE ${ARGN})
+  target_link_libraries(${NAME} PRIVATE host sphere_propagation_settings)
+  compile_by_folder(${NAME} EXCEPT ${NAME}.cpp)
   add_dependencies(${NAME} meshlab_common_stub)
   add_dependencies(plugins ${NAME})
   target_compile_definitions(${NAME} PRIVATE QT_PLUGIN)
@@ -74,5 +84,5 @@ function(add_meshlab_plugin NAME)
     AUTOMOC ON
     SKIP_BUILD_RPATH ON
     LINK_DEPENDS ${MESHLAB_PLUGIN_EXPORTS}
-    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugins)
 endfunction()

@@ -3,7 +3,14 @@
 
 # Ends the configuration; says how to install what is missing.
 function(say_what_is_missing WHAT)
-  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/scripts/needs packages OUTPUT_VARIABLE advice ERROR_VARIABLE advice)
+  set(purposes library)
+  if(SPHERE_PROPAGATION_TESTS)
+    list(APPEND purposes core)
+  endif()
+  if(SPHERE_PROPAGATION_PLUGINS)
+    list(APPEND purposes plugin)
+  endif()
+  execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/needs packages ${purposes} OUTPUT_VARIABLE advice ERROR_VARIABLE advice)
   message(FATAL_ERROR "${WHAT} was not found.\n${advice}")
 endfunction()
 

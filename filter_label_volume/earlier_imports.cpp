@@ -2,7 +2,6 @@
 #include "filter_label_volume/earlier_imports.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 
@@ -13,8 +12,6 @@ namespace sphere_propagation {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 /// The path that a file has whichever way it is named.
 fs::path fullPath(const std::string& file) {

@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
 std::string withoutZeros(const std::string& digits) {
   const size_t first = digits.find_first_not_of('0');
   return first == std::string::npos ? "0" : digits.substr(first);
@@ -39,6 +37,8 @@ struct BySize {
 };
 
 }  // namespace
+
+bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 std::string stemOf(const std::string& fileName) {
   const fs::path name = fs::u8path(fileName).filename();

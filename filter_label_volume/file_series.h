@@ -7,6 +7,9 @@
 
 namespace sphere_propagation {
 
+/// Whether a character is one of 0 to 9.
+bool isDigit(char c);
+
 /// A file's name without its folder and its ending (.nii.gz counts as one).
 std::string stemOf(const std::string& fileName);
 

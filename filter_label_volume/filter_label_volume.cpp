@@ -16,3 +16,5 @@ std::vector<std::unique_ptr<sphere_propagation::host::Filter>> makeFilters() {
 FilterLabelVolume::FilterLabelVolume() : Plugin("FilterLabelVolume", makeFilters()) {}
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterLabelVolume)
+
+#include "moc_filter_label_volume.cpp"  // Qt's part of the class

@@ -9,3 +9,5 @@ FilterSpherePropagation::FilterSpherePropagation()
 }
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterSpherePropagation)
+
+#include "moc_filter_sphere_propagation.cpp"  // Qt's part of the class

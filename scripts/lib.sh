@@ -2,7 +2,7 @@
 # Set-up shared by the scripts in this folder; source it under `set -euo pipefail`.
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
-#   packages_for PURPOSE...        their names: build core plugin volumes gui benchmarks python pymeshlab
+#   packages_for PURPOSE...        their names: build library core plugin volumes gui benchmarks python pymeshlab
 #                                  pictures format lint meshlab (2020.09, and what its GUI needs without a
 #                                  display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
@@ -56,7 +56,8 @@ packages_for() {
   for purpose; do
     case $purpose in
       build)      echo g++ cmake ninja-build ca-certificates xz-utils ;;
-      core)       echo libeigen3-dev libnanoflann-dev libboost-dev libgtest-dev ;;
+      library)    echo libeigen3-dev libnanoflann-dev libboost-dev ;;
+      core)       packages_for library; echo libgtest-dev ;;
       plugin)     echo libqt5opengl5-dev libglew-dev ;;
       volumes)    if has_volumes; then echo libinsighttoolkit5-dev; fi ;;
       gui)        echo xvfb libgl1-mesa-dri ;;

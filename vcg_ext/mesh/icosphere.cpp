@@ -38,11 +38,11 @@ struct Rows {
 
 /// The corners of the icosahedron. Without trigonometric functions, whose last bit differs from one
 /// library to the next.
-struct Corners {
+struct IcosahedronCorners {
   Vector3 north{0, 0, 1}, south{0, 0, -1};
   std::array<Vector3, 6> upper, lower;  // the sixth is the first again
 
-  Corners() {
+  IcosahedronCorners() {
     const double root = std::sqrt(5.0), z = 1 / root, r = 2 / root;
     const double c72 = (root - 1) / 4, s72 = std::sqrt(10 + 2 * root) / 4;
     const double c36 = (root + 1) / 4, s36 = std::sqrt(10 - 2 * root) / 4;
@@ -58,7 +58,7 @@ struct Corners {
 
 Points makeVertices(int f) {
   const Rows rows{f};
-  const Corners corner;
+  const IcosahedronCorners corner;
   Points vertices(10 * f * f + 2, 3);
   Eigen::Index next = 0;
   const auto add = [&](int i, const Vector3& a, int j, const Vector3& b, int k, const Vector3& c) {

@@ -15,19 +15,6 @@
 namespace sphere_propagation {
 namespace {
 
-/// nanoflann's view of the points.
-struct Cloud {
-  Points points;
-  std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.rows()); }
-  double kdtree_get_pt(std::size_t i, std::size_t k) const {
-    return points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 /// nanoflann's result set: the nearest point, of several the one with the smallest index.
 class Nearest {
  public:
@@ -61,6 +48,18 @@ class Nearest {
 }  // namespace
 
 struct VertexLocator::Tree {
+  /// nanoflann's view of the points.
+  struct Cloud {
+    Points points;
+    std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.rows()); }
+    double kdtree_get_pt(std::size_t i, std::size_t k) const {
+      return points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
   using Metric = nanoflann::L2_Simple_Adaptor<double, Cloud>;
   using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cloud, 3, std::uint32_t>;
   static constexpr std::size_t leafSize = 10;

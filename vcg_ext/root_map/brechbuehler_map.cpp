@@ -170,7 +170,8 @@ Poles extremePoles(const ClosedSurface& surface) {
   const Vector3 middle = 0.5 * vertices.colwise().minCoeff() + 0.5 * vertices.colwise().maxCoeff();
   const double extent = (vertices.rowwise() - middle.transpose()).cwiseAbs().maxCoeff();
   Points centred = (vertices.rowwise() - middle.transpose()) / extent;
-  centred.rowwise() -= centred.colwise().mean().eval();
+  const Eigen::RowVector3d mean = centred.colwise().mean();
+  centred.rowwise() -= mean;
   const Eigen::Matrix3d covariance = centred.transpose() * centred;
   Vector3 axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
   Eigen::Index largest = 0;

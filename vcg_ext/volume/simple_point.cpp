@@ -34,7 +34,7 @@ constexpr Neighbourhood withSquaredDistance(int distance) {
   }
   return bits;
 }
-constexpr Neighbourhood faces = withSquaredDistance(1), edges = withSquaredDistance(2),
+constexpr Neighbourhood faces = withSquaredDistance(1), edgeNeighbours = withSquaredDistance(2),
                         corners = withSquaredDistance(3);
 
 size_t lowestBit(Neighbourhood bits) { return static_cast<size_t>(__builtin_ctz(bits)); }
@@ -65,10 +65,11 @@ Neighbourhood reached(Neighbourhood set, Neighbourhood candidates) {
 
 bool isSimple(Neighbourhood neighbourhood) {
   const Neighbourhood byFace = neighbourhood & faces;
-  const Neighbourhood byEdge = reached(byFace, neighbourhood & edges);
+  const Neighbourhood byEdge = reached(byFace, neighbourhood & edgeNeighbours);
   const Neighbourhood byCorner = reached(byEdge, neighbourhood & corners);
   return oneComponent(byFace | byEdge | byCorner, faces, adjacency.byFaces) &&
-         oneComponent(~neighbourhood & all & ~centre, faces | edges, adjacency.byFacesAndEdges);
+         oneComponent(~neighbourhood & all & ~centre, faces | edgeNeighbours,
+                      adjacency.byFacesAndEdges);
 }
 
 }  // namespace sphere_propagation

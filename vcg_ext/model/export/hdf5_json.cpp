@@ -7,9 +7,9 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr const char* floatType = R"({"class": "H5T_FLOAT", "base": "H5T_IEEE_F32LE"})";
-constexpr const char* integerType = R"({"class": "H5T_INTEGER", "base": "H5T_STD_I32LE"})";
-constexpr const char* stringType =
+constexpr const char* floatJson = R"({"class": "H5T_FLOAT", "base": "H5T_IEEE_F32LE"})";
+constexpr const char* integerJson = R"({"class": "H5T_INTEGER", "base": "H5T_STD_I32LE"})";
+constexpr const char* stringJson =
     R"({"class": "H5T_STRING", "charSet": "H5T_CSET_UTF8", "strPad": "H5T_STR_NULLTERM", "length": "H5T_VARIABLE"})";
 constexpr const char* scalarShape = R"({"class": "H5S_SCALAR"})";
 
@@ -52,7 +52,7 @@ class Document {
  private:
   static std::string attribute(const std::string& name, const std::string& value) {
     std::string text = R"({"name": ")";
-    text.append(name).append(R"(", "type": )").append(stringType);
+    text.append(name).append(R"(", "type": )").append(stringJson);
     return text.append(R"(, "shape": )")
         .append(scalarShape)
         .append(R"(, "value": ")")
@@ -90,7 +90,7 @@ class Document {
     ExactText values;
     size_t next = 0;
     writeValues(values, data, 0, next);
-    const std::string type = data.integers ? integerType : floatType;
+    const std::string type = data.integers ? integerJson : floatJson;
     data_ += (data_.empty() ? "" : ",\n") + identifier(id) + R"(: {"alias": [")" + path +
              R"("], "type": )" + type + R"(, "shape": )" + shapeOf(data) + R"(, "value": )" +
              values.str() + "}";

@@ -14,8 +14,9 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double agreement = 0.5;  // least dot product of a layer's face normal with the template's
-constexpr int coarse = 3000;       // vertices
+constexpr double minAgreement =
+    0.5;                      // least dot product of a layer's face normal with the template's
+constexpr int coarse = 3000;  // vertices
 
 double medianOf(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -57,7 +58,7 @@ DataTerm dataTermAt(const MotionModel& model, const PreparedSurface& target,
   for (Eigen::Index i = 0; i < count; ++i) {
     SurfacePoint& point = closest[static_cast<size_t>(i)];
     int& near = nearby[static_cast<size_t>(i)];
-    point = locator.closest(moved.row(i).transpose(), normals.row(i).transpose(), agreement,
+    point = locator.closest(moved.row(i).transpose(), normals.row(i).transpose(), minAgreement,
                             near >= 0 ? near : last);
     near = last = point.face;
     if (point.face >= 0) distances.push_back(point.distance);
