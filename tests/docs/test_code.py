@@ -28,7 +28,18 @@ import volume_files
 
 PAGES = all_pages()
 SHELL = ("sh", "bash", "")
-OTHER_COMMANDS = {"apt-get", "apt", "cd", "cp", "mkdir", "git", "meshlab", "pip", "jsontoh5"}
+OTHER_COMMANDS = {
+    "apt-get",
+    "apt",
+    "cmake",
+    "cd",
+    "cp",
+    "mkdir",
+    "git",
+    "meshlab",
+    "pip",
+    "jsontoh5",
+}
 MESHLABSERVER = {"-i", "-o", "-s", "-m", "-w", "-p", "-l", "vt", "vc", "vn"}
 
 
