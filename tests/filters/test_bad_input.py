@@ -462,7 +462,11 @@ def test_bad_parents(text, words):
 
 
 @pytest.mark.parametrize(
-    "name, words", [("smoothing_sweeps", "smoothing sweeps must be 0 or more; it is -1"), ("icp_iterations", "-1")]
+    "name, words",
+    [
+        ("smoothing_sweeps", "smoothing sweeps must be 0 or more; it is -1"),
+        ("icp_iterations", "-1"),
+    ],
 )
 def test_negative_numbers_of_steps(name, words):
     ms = mapped_cycle(2)
