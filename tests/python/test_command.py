@@ -403,7 +403,7 @@ def test_the_phantoms_root_is_that_of_its_parents(tmp_path, capsys):
 @pytest.mark.parametrize(
     "option, words",
     [
-        ("--voxel-size=9", "voxel size must lie between"),
+        ("--voxel-size=9", "voxel size in mm must lie between 0.25 and 4"),
         ("--phases=10001", "phases must lie between"),
     ],
 )
