@@ -2,7 +2,6 @@
 // "Show parameterisation as sphere layers": the maps, to be looked at.
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +9,7 @@
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
@@ -20,10 +20,7 @@ namespace {
 Eigen::Matrix3d sameSide(const MappedLayer& mapped) {
   const Points& vertices = mapped.mesh.surface.vertices();
   const Points directions = vertices.rowwise() - vertices.colwise().mean();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(directions.transpose() * mapped.map.positions(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3 signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return bestRotation(directions.transpose() * mapped.map.positions());
 }
 
 /// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/mesh/usable_extent.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "vcg_ext/base/linear_solvers.h"
 
 namespace sphere_propagation {
 namespace {
@@ -29,8 +30,7 @@ void requireUsableExtent(const ClosedSurface& surface) {
   const Eigen::Matrix3d scatter =
       (centred.transpose() * centred) / static_cast<double>(vertices.rows()) -
       mean.transpose() * mean;
-  const Vector3 squares =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3 squares = eigenOf(scatter).values;
   if (squares[0] < minThickness * minThickness * squares[2]) fail(surface, Fault::Flat);
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/registration/prepared_surface.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "vcg_ext/base/lazy.h"
+#include "vcg_ext/base/linear_solvers.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
@@ -36,10 +36,10 @@ Points spreadOver(const Points& points, const Vector3& centre) {
 Eigen::Matrix3d axesOf(const Points& points, const Vector3& centre, const Eigen::VectorXd& shares) {
   const Points centred = points.rowwise() - centre.transpose();
   const Eigen::Matrix3d covariance = centred.transpose() * shares.asDiagonal() * centred;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
+  const SymmetricEigen eigen = eigenOf(covariance);  // ascending
   Eigen::Matrix3d axes;
-  axes.col(0) = solver.eigenvectors().col(2);
-  axes.col(1) = solver.eigenvectors().col(1);
+  axes.col(0) = eigen.vectors.col(2);
+  axes.col(1) = eigen.vectors.col(1);
   axes.col(2) = axes.col(0).cross(axes.col(1));
   return axes;
 }

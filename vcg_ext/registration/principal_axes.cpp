@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/registration/principal_axes.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "vcg_ext/base/linear_solvers.h"
 
 namespace sphere_propagation {
 
@@ -15,11 +16,11 @@ PrincipalAxes principalAxes(const Points& points) {
   if (!(extent > 0)) return result;
   const Points unit = centred / extent;
   const Eigen::Matrix3d covariance = unit.transpose() * unit / static_cast<double>(points.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
-  result.axes.col(0) = solver.eigenvectors().col(2);
-  result.axes.col(1) = solver.eigenvectors().col(1);
+  const SymmetricEigen eigen = eigenOf(covariance);  // ascending
+  result.axes.col(0) = eigen.vectors.col(2);
+  result.axes.col(1) = eigen.vectors.col(1);
   result.axes.col(2) = result.axes.col(0).cross(result.axes.col(1));
-  result.variances = extent * extent * solver.eigenvalues().reverse().cwiseMax(0);
+  result.variances = extent * extent * eigen.values.reverse().cwiseMax(0);
   const Points along = centred * result.axes;
   result.ranges = (along.colwise().maxCoeff() - along.colwise().minCoeff()).transpose();
   return result;

@@ -4,12 +4,12 @@
 
 #include "vcg_ext/root_map/brechbuehler_map.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
+
+#include "vcg_ext/base/linear_solvers.h"
 
 namespace sphere_propagation {
 namespace {
@@ -54,14 +54,14 @@ class LaplaceSystem {
     }
     matrix_.resize(count, count);
     matrix_.setFromTriplets(entries.begin(), entries.end());
-    solver_.analyzePattern(matrix_);
+    solver_.analysePattern(matrix_);
   }
 
   Eigen::VectorXd colatitudes() {
     Eigen::VectorXd b = Eigen::VectorXd::Zero(matrix_.rows());
     for (int w : surface_.ring(poles_.south))
       if (!isPole(w)) b[unknown_[w]] += pi;
-    solver_.factorize(matrix_);
+    solver_.factorise(matrix_);
     Eigen::VectorXd result = spread(solver_.solve(b));
     result[poles_.south] = pi;
     return result;
@@ -94,8 +94,8 @@ class LaplaceSystem {
       b[unknown_[west]] += 2 * pi;
       b[unknown_[here]] -= 2 * pi;
     }
-    if (!samePattern) solver_.analyzePattern(matrix);
-    solver_.factorize(matrix);
+    if (!samePattern) solver_.analysePattern(matrix);
+    solver_.factorise(matrix);
     return spread(solver_.solve(b));
   }
 
@@ -114,7 +114,7 @@ class LaplaceSystem {
   Poles poles_;
   std::vector<int> unknown_;  // #V: row of the vertex in the systems, -1 for a pole
   SparseMatrix matrix_;       // of the colatitudes
-  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+  SparseCholesky solver_;
 };
 
 /// From north to south, each step to the neighbour with the largest colatitude; empty if that ends
@@ -170,10 +170,11 @@ Poles extremePoles(const ClosedSurface& surface) {
   const Vector3 middle = 0.5 * vertices.colwise().minCoeff() + 0.5 * vertices.colwise().maxCoeff();
   const double extent = (vertices.rowwise() - middle.transpose()).cwiseAbs().maxCoeff();
   Points centred = (vertices.rowwise() - middle.transpose()) / extent;
-  const Eigen::RowVector3d mean = centred.colwise().mean();
+  const Eigen::RowVector3d mean =
+      Eigen::RowVectorXd::Constant(centred.rows(), 1.0 / surface.vertexCount()) * centred;
   centred.rowwise() -= mean;
   const Eigen::Matrix3d covariance = centred.transpose() * centred;
-  Vector3 axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
+  Vector3 axis = eigenOf(covariance).vectors.col(2);
   Eigen::Index largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
   if (axis[largest] < 0) axis = -axis;

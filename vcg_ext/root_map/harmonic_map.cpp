@@ -4,7 +4,6 @@
 #include "vcg_ext/root_map/harmonic_map.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "vcg_ext/base/linear_solvers.h"
 #include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/root_map/moebius_balancing.h"
@@ -112,7 +112,7 @@ class PunctureSystem {
  private:
   const ClosedSurface& surface_;
   const Points& vertices_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseCholesky solver_;
 };
 
 /// Stereographic projection, the plane's origin to the north pole; orientation is kept, seen from

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_basis.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "vcg_ext/base/linear_solvers.h"
 
 namespace sphere_propagation {
 namespace {
@@ -44,12 +45,11 @@ Matrix kernelFactor(const Points& nodes, const Eigen::VectorXd& areas, double ra
     for (Eigen::Index i = 0; i < count; ++i)
       block.middleRows<3>(3 * i) = kernel((nodes.row(i) - nodes.row(pivot)).transpose() / radius);
     block.noalias() -= factor.leftCols(k) * factor.block(3 * pivot, 0, 3, k).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> unexplained(
-        block.middleRows<3>(3 * pivot));
-    const double least = 1e-12 * unexplained.eigenvalues().maxCoeff();
-    const Vector3 inverseRoots = unexplained.eigenvalues().unaryExpr(
+    const SymmetricEigen unexplained = eigenOf(block.middleRows<3>(3 * pivot));
+    const double least = 1e-12 * unexplained.values.maxCoeff();
+    const Vector3 inverseRoots = unexplained.values.unaryExpr(
         [least](double x) { return x > least ? 1 / std::sqrt(x) : 0.0; });
-    const Eigen::Matrix3d& axes = unexplained.eigenvectors();
+    const Eigen::Matrix3d& axes = unexplained.vectors;
     factor.template middleCols<3>(k).noalias() =
         block * (axes * inverseRoots.asDiagonal() * axes.transpose());
     for (Eigen::Index i = 0; i < count; ++i)

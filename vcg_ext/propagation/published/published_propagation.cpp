@@ -2,13 +2,13 @@
 #include "vcg_ext/propagation/published/published_propagation.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/linear_solvers.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/mesh/vertex_locator.h"
@@ -133,7 +133,8 @@ Points placeMovingNodes(const ClosedSurface& target, const FixedNodes& nodes) {
   A.setFromTriplets(entries.begin(), entries.end());
   // Positive definite: diagonally dominant, strictly so beside a fixed node, and every moving node
   // is connected to one.
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factorisation(A);
+  SparseCholesky factorisation;
+  factorisation.compute(A);
   const Eigen::MatrixX3d x = factorisation.solve(b);
   for (int i = 0; i < unknowns; ++i) {
     const double length = x.row(i).norm();

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/sphere/repair/untangling.h"
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "vcg_ext/base/linear_solvers.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/sphere/certificate.h"
 #include "vcg_ext/sphere/repair/nearby_map.h"
@@ -122,8 +123,9 @@ void solveFreeVertices(const ClosedSurface& surface, const FlippedRegion& region
   }
   Eigen::SparseMatrix<double> matrix(count, count);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  if (solver.info() != Eigen::Success) return;
+  SparseCholesky solver;
+  solver.compute(matrix);
+  if (!solver.succeeded()) return;
   const Eigen::MatrixX3d solution = solver.solve(right);
   for (Eigen::Index i = 0; i < count; ++i) {
     const double length = solution.row(i).norm();

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/base/rotation.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+namespace sphere_propagation {
+
+Eigen::Matrix3d bestRotation(const Eigen::Matrix3d& covariance) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // No reflection: the direction that matters least is the one turned round.
+  const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * Eigen::Vector3d(1, 1, handedness).asDiagonal() * svd.matrixV().transpose();
+}
+
+}  // namespace sphere_propagation
