@@ -255,7 +255,8 @@ ClosedSurface ClosedSurface::withVertices(Points vertices) const {
 }
 
 bool ClosedSurface::hasFacesOf(const ClosedSurface& other) const {
-  return connectivity_ == other.connectivity_ || faces() == other.faces();
+  return connectivity_ == other.connectivity_ ||
+         (faceCount() == other.faceCount() && faces() == other.faces());
 }
 
 }  // namespace sphere_propagation
