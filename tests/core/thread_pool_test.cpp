@@ -128,6 +128,9 @@ TEST(ThreadPool, ComesUpWithFewerThreadsOrAnErrorWhenMemoryRunsOut) {
 
 /// In a process of its own, of a user who may have no more threads.
 TEST(ThreadPool, DoesWithTheThreadsThatTheSystemGives) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer knows no threads after a fork";
+#endif
   const auto inAProcessThatMayHaveNoThreads = [] {
     const rlimit none{0, 0};
     if (setrlimit(RLIMIT_NPROC, &none) != 0) _exit(2);
