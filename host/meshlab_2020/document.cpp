@@ -53,7 +53,7 @@ std::unique_ptr<CMeshO> copyOf(MeshModel& layer) {
 }
 
 /// mask: the components that the layer is to have.
-void fill(MeshModel& layer, CMeshO& mesh, int mask) {
+void fillLayer(MeshModel& layer, CMeshO& mesh, int mask) {
   layer.clearDataMask(layer.dataMask() & ~always);
   layer.cm.Clear();
   layer.updateDataMask(mask & ~adjacency);
@@ -84,8 +84,9 @@ std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::st
 FormerMesh replaceMesh(MeshModel& layer, std::unique_ptr<CMeshO> mesh) {
   FormerMesh former{copyOf(layer), layer.dataMask()};
   try {
-    fill(layer, *mesh,
-         MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
+    fillLayer(
+        layer, *mesh,
+        MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);  // every mesh of this type has them
   } catch (...) {
     restoreMesh(layer, std::move(former));
     throw;
@@ -94,7 +95,7 @@ FormerMesh replaceMesh(MeshModel& layer, std::unique_ptr<CMeshO> mesh) {
 }
 
 void restoreMesh(MeshModel& layer, FormerMesh former) {
-  fill(layer, *former.mesh, former.dataMask);
+  fillLayer(layer, *former.mesh, former.dataMask);
 }
 
 void updateBoxAndNormals(MeshModel& layer) { layer.UpdateBoxAndNormals(); }
