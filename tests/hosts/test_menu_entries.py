@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """What our messages call MeshLab's filters is what MeshLab 2020.09 calls them."""
 
-import os
 import sys
 from pathlib import Path
 
@@ -13,11 +12,10 @@ from messages import catalogue
 
 
 def plugins(prefix):
-    """What the plugins of MeshLab's filters hold; its folders are links."""
-    for folder, _, files in os.walk(prefix, followlinks=True):
-        for file in files:
-            if file.startswith("libfilter_") and "sphere" not in file and file.endswith(".so"):
-                yield (Path(folder) / file).read_bytes()
+    """What the plugins of MeshLab's filters hold."""
+    for file in Path(prefix).glob("lib/*/meshlab/plugins/libfilter_*.so"):
+        if "sphere" not in file.name:
+            yield file.read_bytes()
 
 
 def test_menu_entries_are_those_of_meshlab_2020():
