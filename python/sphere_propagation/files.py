@@ -14,6 +14,7 @@ from . import filters, layers
 from .errors import FileError
 from .sphere_map import SphereMap
 from .surface import Surface
+from .turns import turn
 
 SUFFIXES = (".ply", ".stl", ".obj", ".off")
 VOLUME_SUFFIXES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
@@ -130,17 +131,19 @@ def _load(path):
     if path.suffix.lower() == ".ply" and not _has_ply_header(path):
         # PyMeshLab may crash over these.
         raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
-    meshes, here = layers.mesh_set(), os.getcwd()
-    try:
-        meshes.load_new_mesh(str(path.resolve()))
-    except Exception as error:  # PyMeshLab's, or what its parsers stumble over
-        layers.keep(meshes)
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
-        raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
-    finally:
-        # PyMeshLab goes to the file's folder, and stays there when it cannot read the file.
-        os.chdir(here)
+    meshes = layers.mesh_set()
+    with turn(f"Reading {path}"):
+        here = os.getcwd()
+        try:
+            meshes.load_new_mesh(str(path.resolve()))
+        except Exception as error:  # PyMeshLab's, or what its parsers stumble over
+            layers.keep(meshes)
+            lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+            reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
+            raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
+        finally:
+            # PyMeshLab goes to the file's folder, and stays there when it cannot read the file.
+            os.chdir(here)
     if meshes.current_mesh().face_number() == 0:
         raise FileError(f"{path} holds no triangles.")
     return meshes, path

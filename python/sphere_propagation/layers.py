@@ -12,6 +12,7 @@ from . import plugin
 from .errors import FilterError, InputError
 from .sphere_map import SphereMap
 from .surface import Surface, distinct_names
+from .turns import turn
 
 ATTRIBUTE = "sphere_position"
 _kept = []
@@ -59,9 +60,11 @@ def keep(meshes) -> None:
 
 
 def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
-    """Runs a filter; what it refuses comes as a FilterError with the filter's own words."""
+    """Runs a filter, when those of other threads are done; what it refuses comes as a FilterError
+    with the filter's own words."""
     try:
-        return meshes.apply_filter(name, **parameters) or {}
+        with turn(name):
+            return meshes.apply_filter(name, **parameters) or {}
     except RuntimeError as error:
         # pybind11 could not convert a value: it names neither the parameter nor the type.
         keep(meshes)
