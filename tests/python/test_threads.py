@@ -71,9 +71,8 @@ def test_a_progress_callback_may_call(cycle):
 
 
 def test_a_call_inside_a_filter_is_refused_and_waits_for_nobody(cycle):
-    with turns.turn("first"):
-        with pytest.raises(sp.SpherePropagationError, match="in the same thread"):
-            sp.parameterise_root(cycle.surfaces[0])
+    with turns.turn("first"), pytest.raises(sp.SpherePropagationError, match="in the same thread"):
+        sp.parameterise_root(cycle.surfaces[0])
     sp.parameterise_root(cycle.surfaces[0])
 
 
