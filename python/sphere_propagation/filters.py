@@ -8,12 +8,12 @@ depth is in the filters' help and in docs/. Every map that comes back is certifi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
-from . import layers, plugin
+from . import adapters, layers, plugin
 from .attention import warn
 from .errors import FilterError, InputError
 from .model import ShapeModel
@@ -119,6 +119,8 @@ def read_label_volume(
     """A segmentation (NIfTI, NRRD, MetaImage; 3D, or 4D with time) as one closed surface of genus 0
     per phase, in millimetres.
 
+    file: its path; or an image of nibabel, SimpleITK, ITK, ANTs, torchio or MONAI, or (labels,
+    affine): an array (x, y, z) or (x, y, z, time) and the way (4, 4) from its indices to RAS in mm.
     labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have
     each of them, or skip_incomplete_phases leaves it out.
     voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the
@@ -137,10 +139,11 @@ def read_label_volume(
     text = (
         labels if isinstance(labels, str) else ",".join(map(str, whole_numbers("labels", labels)))
     )
-    figures = layers.apply(
+    if file_series and not adapters.is_path(file):
+        raise InputError("file_series reads the files beside one: it takes a file.")
+    figures = _import(
         meshes,
-        IMPORT,
-        file_name=str(file),
+        file,
         labels=text,
         voxel_size=voxel_size,
         smoothing=smoothing,
@@ -153,9 +156,17 @@ def read_label_volume(
         longest_gap=longest_gap,
     )
     del figures["layers"]
-    surfaces = [layers.surface_of(mesh) for mesh in meshes]
+    surfaces = [replace(layers.surface_of(mesh), space=coordinates) for mesh in meshes]
     _warn_of_changed_labels(surfaces, figures)
     return LabelSurfaces(surfaces, figures)
+
+
+def _import(meshes, file, **parameters) -> Figures:
+    with adapters.volume_file(file) as (path, name):
+        try:
+            return layers.apply(meshes, IMPORT, file_name=path, **parameters)
+        except FilterError as error:
+            raise FilterError(IMPORT, str(error).replace(path, name)) from error.__cause__
 
 
 def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
@@ -296,7 +307,9 @@ def propagate(
     residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
-        layers.surface_of(meshes.mesh(i), surface.name) if figures["mirrored"][i] else surface
+        replace(layers.surface_of(meshes.mesh(i), surface.name), space=surface.space)
+        if figures["mirrored"][i]
+        else surface
         for i, surface in enumerate(surfaces)
     ]
     return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)

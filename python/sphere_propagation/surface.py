@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import List, Sequence, Tuple, Union
+from typing import Any, List, Sequence, Tuple, Union
 
 import numpy as np
 
+from . import adapters
 from .errors import InputError
 
 
@@ -17,16 +18,23 @@ class Surface:
     """A closed triangle mesh without holes, handles or loose parts.
 
     vertices: (n, 3) in one unit, mm for hearts; faces: (k, 3) vertex indices, counterclockwise from
-    outside; name: what errors, layers and files call it. Anything that numpy takes for arrays of
-    these shapes is accepted.
+    outside; name: what errors, layers and files call it; space: the frame of the vertices, "RAS"
+    or "LPS", empty where nobody knows. Anything that numpy takes for arrays of these shapes is
+    accepted.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     name: str = "surface"
+    space: str = ""
 
     def __post_init__(self):
-        vertices, faces = np.asarray(self.vertices), np.asarray(self.faces)
+        if not isinstance(self.name, str):
+            raise InputError(f"A surface's name must be a text, not {self.name!r}.")
+        if self.space not in ("", "RAS", "LPS"):
+            raise InputError(f'{self.name}: space must be "RAS", "LPS" or "", not {self.space!r}.')
+        vertices = array_of(f"{self.name}: vertices", self.vertices)
+        faces = array_of(f"{self.name}: faces", self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "fiu":
             raise InputError(
                 f"{self.name}: vertices must be numbers of shape (n, 3), not {vertices.dtype} of "
@@ -35,7 +43,7 @@ class Surface:
         if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
             raise InputError(
                 f"{self.name}: faces must be integers of shape (k, 3), not {faces.dtype} of shape "
-                f"{faces.shape}."
+                f"{faces.shape}." + _about_faces(faces)
             )
         outside = (faces < 0) | (faces >= len(vertices))
         if outside.any():
@@ -43,6 +51,11 @@ class Surface:
             raise InputError(
                 f"{self.name}: {int(outside.any(1).sum())} faces name a vertex that is not there "
                 f"(first: face {first}, {faces[first].tolist()}, of {len(vertices)} vertices)."
+                + (
+                    " If they count from 1: faces - 1."
+                    if faces.min() == 1 and faces.max() == len(vertices)
+                    else ""
+                )
             )
         object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, np.float64))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, np.int32))
@@ -60,27 +73,56 @@ class Surface:
         return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
 
 
-SurfaceLike = Union[Surface, Tuple[np.ndarray, np.ndarray]]  # the tuple: vertices, faces
+def array_of(what: str, values: Any) -> np.ndarray:
+    """Whatever numpy takes for an array; `what` it is, for errors."""
+    try:
+        found = np.asanyarray(values)
+    except Exception as error:  # numpy's, or that of the values' own library
+        advice = ": values.detach().cpu().numpy() is" if hasattr(values, "detach") else ""
+        raise InputError(f"{what} cannot be made an array{advice}. {error}") from error
+    if isinstance(found, np.ma.MaskedArray) and np.ma.getmaskarray(found).any():
+        raise InputError(f"{what} are masked in part: leave these out first.")
+    return np.asarray(found)
+
+
+def _about_faces(faces: np.ndarray) -> str:
+    """What to do where they are not triangles."""
+    if faces.ndim == 2 and faces.shape[1] == 4 and faces.dtype.kind in "iu":
+        counted = len(faces) and (faces[:, 0] == 3).all()
+        return (
+            " The first column counts corners: faces[:, 1:]."
+            if counted
+            else " Quadrilaterals are np.vstack([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])."
+        )
+    if faces.ndim == 1 and faces.size and faces.size % 4 == 0 and (faces[::4] == 3).all():
+        return " As pyvista has them, triangles are faces.reshape(-1, 4)[:, 1:]."
+    return ""
+
+
+# The tuple: vertices, faces. Any: what adapters knows, files and objects of other libraries.
+SurfaceLike = Union[Surface, Tuple[np.ndarray, np.ndarray], Any]
 
 
 def as_surface(surface: SurfaceLike, name: str = "surface") -> Surface:
-    """A Surface, also from (vertices, faces); `name` is for those that have none."""
+    """A Surface, also from (vertices, faces), a file, or a mesh of another library; `name` is for
+    those that have none."""
     if isinstance(surface, Surface):
         return surface
-    try:
-        vertices, faces = surface
-    except (TypeError, ValueError):
-        raise InputError(
-            f"{name} must be a Surface or (vertices, faces), not {type(surface).__name__}."
-        ) from None
-    return Surface(vertices, faces, name)
+    mesh = adapters.mesh_of(surface, name)
+    return Surface(mesh.vertices, mesh.faces, mesh.name or name, mesh.space)
 
 
 def as_surfaces(surfaces: Sequence[SurfaceLike]) -> List[Surface]:
-    """As as_surface; nameless ones are called after their place."""
-    found = [as_surface(surface, f"surface {i}") for i, surface in enumerate(surfaces)]
+    """As as_surface; nameless ones are called after their place. A folder stands for its meshes."""
+    found = [as_surface(surface, name) for surface, name in adapters.surfaces_in(surfaces)]
     if not found:
         raise InputError("There is no surface to work on.")
+    spaces = {surface.space: surface.name for surface in reversed(found) if surface.space}
+    if len(spaces) > 1:
+        raise InputError(
+            f"{spaces['RAS']} is in RAS, {spaces['LPS']} in LPS: bring them into one frame, as "
+            'sp.Surface(s.vertices * [-1, -1, 1], s.faces, s.name, "RAS").'
+        )
     return found
 
 
