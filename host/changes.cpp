@@ -12,7 +12,6 @@
 #include "vcg_ext/base/fingerprint.h"
 #include "vcg_ext/base/text.h"
 #include "vcg_ext/sphere/repair/float_copy.h"
-#include "vcg_ext/sphere/repair/texture_copy.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -116,8 +115,8 @@ int fingerprintOf(const std::vector<Point3m>& positions, const std::optional<Tex
   for (const Point3m& p : positions)
     for (int k = 0; k < 3; ++k) fingerprint.add(static_cast<double>(p[k]));
   if (positions.empty())
-    for (Eigen::Index v = 0; v < texture->coordinates.rows(); ++v)
-      for (int k = 0; k < 2; ++k) fingerprint.add(static_cast<double>(texture->coordinates(v, k)));
+    for (Eigen::Index v = 0; v < texture->numbers.rows(); ++v)
+      for (int k = 0; k < 2; ++k) fingerprint.add(static_cast<double>(texture->numbers(v, k)));
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) fingerprint.add(faces(f, k));
   return fingerprint.short24();
@@ -187,11 +186,11 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
     for (Eigen::Index v = 0; v < map.positions().rows(); ++v)
       change.positions.push_back(pointm(map.positions(), v));
   } else {
-    const FloatCopy copy = copyToFloat(map);
+    const PositionCopy copy = copyToFloat(map);
     attributeHoldsIt = copy.valid;
     if (copy.valid) {
       mended += copy.mendedVertices;
-      const Points rounded = copy.positions.cast<double>();
+      const Points rounded = copy.numbers.cast<double>();
       for (Eigen::Index v = 0; v < rounded.rows(); ++v)
         change.positions.push_back(pointm(rounded, v));
     }
@@ -392,8 +391,8 @@ int Changes::commit() {
     if (change.texture) {
       for (size_t v = 0; v < change.meshVertex.size(); ++v) {
         auto& t = mesh.cm.vert[static_cast<size_t>(change.meshVertex[v])].T();
-        t.U() = change.texture->coordinates(static_cast<Eigen::Index>(v), 0);
-        t.V() = change.texture->coordinates(static_cast<Eigen::Index>(v), 1);
+        t.U() = change.texture->numbers(static_cast<Eigen::Index>(v), 0);
+        t.V() = change.texture->numbers(static_cast<Eigen::Index>(v), 1);
         t.N() = 0;
       }
     } else if (mesh.hasDataMask(MeshModel::MM_VERTTEXCOORD)) {

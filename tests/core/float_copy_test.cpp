@@ -13,7 +13,7 @@ namespace sphere_propagation::test {
 namespace {
 
 struct Copied {
-  FloatCopy copy;
+  PositionCopy copy;
   double farthest;  ///< from the original
 };
 
@@ -22,7 +22,7 @@ struct Copied {
 Copied asFloat(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Copied result{copyToFloat(MappedSurface(surface, mesh.vertices)), 0};
-  const Points positions = result.copy.positions.cast<double>();
+  const Points positions = result.copy.numbers.cast<double>();
   result.farthest = (positions - mesh.vertices).rowwise().norm().maxCoeff();
   EXPECT_EQ(result.copy.valid, certify(mesh.faces, positions).valid());
   return result;
@@ -36,7 +36,7 @@ TEST(FloatCopy, OrdinaryMapsAreRoundedAndNoMore) {
       const Copied copied = asFloat(turned);
       EXPECT_TRUE(copied.copy.valid);
       EXPECT_EQ(copied.copy.mendedVertices, 0);
-      EXPECT_EQ(copied.copy.positions, turned.vertices.cast<float>());
+      EXPECT_EQ(copied.copy.numbers, turned.vertices.cast<float>());
       EXPECT_LT(copied.farthest, 1e-7);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/sphere/repair/texture_copy.h"
+#include "vcg_ext/sphere/repair/float_copy.h"
 
 #include <gtest/gtest.h>
 
@@ -23,12 +23,12 @@ Copied throughTexture(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   Copied result;
   result.copy = copyToTexture(MappedSurface(surface, mesh.vertices));
-  result.positions = positionsFromTexture(result.copy.coordinates);
+  result.positions = positionsFromTexture(result.copy.numbers);
   result.farthest = (result.positions - mesh.vertices).rowwise().norm().maxCoeff();
   result.certified = certify(mesh.faces, result.positions).valid();
   EXPECT_EQ(result.copy.valid, result.certified);
-  EXPECT_GE(result.copy.coordinates.minCoeff(), 0);
-  EXPECT_LE(result.copy.coordinates.maxCoeff(), 1);
+  EXPECT_GE(result.copy.numbers.minCoeff(), 0);
+  EXPECT_LE(result.copy.numbers.maxCoeff(), 1);
   return result;
 }
 
@@ -89,7 +89,7 @@ TEST(TextureCopy, SaysWhenFloatsCannotHoldTheMap) {
 TEST(TextureCopy, OrdinaryTextureIsNoMap) {
   // A planar texture of a mesh does not certify.
   const Mesh mesh = icosphereMesh(4);
-  Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> planar =
+  TextureCopy::Numbers planar =
       (0.5 * mesh.vertices.leftCols(2).array() + 0.5).cast<float>().matrix();
   EXPECT_FALSE(certify(mesh.faces, positionsFromTexture(planar)).valid());
 }
