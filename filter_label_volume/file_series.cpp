@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "vcg_ext/base/error.h"
+#include "filter_label_volume/messages.h"
 
 namespace sphere_propagation {
 namespace {
@@ -77,8 +77,7 @@ std::vector<std::string> fileSeries(const std::string& fileName) {
       const auto [at, isNew] = found.emplace(withoutZeros(digits), file);
       if (isNew) continue;
       if (uncompressed(at->second) != other)
-        throw VolumeError("The series has the number " + at->first + " twice: \"" + at->second +
-                          "\" and \"" + file + "\".");
+        refuse(volume_messages::numberTwice, at->first, at->second, file);
       if (isCompressed(file) == isCompressed(name)) at->second = file;  // one file in two forms
     }
     if (found.size() > 1) {

@@ -2,6 +2,7 @@
 #include "filter_label_volume/filter_label_volume.h"
 
 #include "filter_label_volume/import_filter.h"
+#include "filter_label_volume/messages.h"
 
 namespace {
 
@@ -13,7 +14,10 @@ std::vector<std::unique_ptr<sphere_propagation::host::Filter>> makeFilters() {
 
 }  // namespace
 
-FilterLabelVolume::FilterLabelVolume() : Plugin("FilterLabelVolume", makeFilters()) {}
+FilterLabelVolume::FilterLabelVolume()
+    : Plugin("FilterLabelVolume", makeFilters(),
+             {sphere_propagation::volume_messages::all.begin(),
+              sphere_propagation::volume_messages::all.end()}) {}
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterLabelVolume)
 

@@ -7,10 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <limits>
 #include <utility>
 
 #include "filter_label_volume/earlier_imports.h"
 #include "filter_label_volume/file_series.h"
+#include "filter_label_volume/messages.h"
 #include "filter_label_volume/volume_file.h"
 #include "host/help.h"
 #include "host/remedies.h"
@@ -45,19 +48,16 @@ std::vector<std::int32_t> parseLabels(const std::string& text) {
     const size_t end = std::min(text.find_first_of(" \t,;", at), text.size());
     const std::string word = text.substr(at, end - at);
     const size_t digits = word[0] == '-' ? 1 : 0;
-    if (word.size() == digits || word.size() > 9 + digits ||
-        word.find_first_not_of("0123456789", digits) != std::string::npos)
-      throw ParameterError(
-          "labels is \"" + text +
-          "\", but must be whole numbers, as \"1\", or \"1,2\" for the union of two labels.");
-    const int label = std::stoi(word);
-    if (label == 0) throw ParameterError("labels holds 0, which is the background.");
+    if (word.size() == digits || word.size() > 10 + digits ||
+        word.find_first_not_of("0123456789", digits) != std::string::npos ||
+        std::abs(std::stoll(word)) > std::numeric_limits<std::int32_t>::max())
+      throw host::Refusal(volume_messages::labelsNoNumbers, text);
+    const auto label = static_cast<std::int32_t>(std::stoll(word));
+    if (label == 0) throw host::Refusal(volume_messages::labelsBackground);
     if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
     at = end;
   }
-  if (labels.empty())
-    throw ParameterError(
-        "labels is empty; it must name a label, as \"1\", or several, as \"1,2\" for their union.");
+  if (labels.empty()) throw host::Refusal(volume_messages::labelsEmpty);
   return labels;
 }
 
@@ -99,20 +99,22 @@ class ImportFilter : public host::Filter {
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const VolumeSurfaceParameters defaults;
-    return {help_.parameter(
-                "file_name",
-                host::Parameter::File{
-                    "Label volumes (*.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd);;All files (*)"}),
-            help_.parameter("labels", std::string("1")),
-            help_.parameter("voxel_size", defaults.interpolation.voxelSize),
-            help_.parameter("smoothing", defaults.smoothing),
-            help_.parameter("coordinates", host::choiceOf(frames, Coordinates::Ras)),
-            help_.parameter("fill_holes", defaults.fillHoles),
-            help_.parameter("keep_largest_component", defaults.keepLargestComponent),
-            help_.parameter("cut_handles", defaults.cutHandles),
-            help_.parameter("file_series", false),
-            help_.parameter("skip_incomplete_phases", false),
-            help_.parameter("longest_gap", defaults.interpolation.longestGap).asAdvanced()};
+    return {
+        help_.parameter(
+            "file_name",
+            host::Parameter::File{
+                "Label volumes (*.nii *.nii.gz *.hdr *.hdr.gz *.img *.img.gz *.nrrd *.nhdr *.mha "
+                "*.mhd);;All files (*)"}),
+        help_.parameter("labels", std::string("1")),
+        help_.parameter("voxel_size", defaults.interpolation.voxelSize),
+        help_.parameter("smoothing", defaults.smoothing),
+        help_.parameter("coordinates", host::choiceOf(frames, Coordinates::Ras)),
+        help_.parameter("fill_holes", defaults.fillHoles),
+        help_.parameter("keep_largest_component", defaults.keepLargestComponent),
+        help_.parameter("cut_handles", defaults.cutHandles),
+        help_.parameter("file_series", false),
+        help_.parameter("skip_incomplete_phases", false),
+        help_.parameter("longest_gap", defaults.interpolation.longestGap).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -125,16 +127,14 @@ class ImportFilter : public host::Filter {
     parameters.keepLargestComponent = task.values.flag("keep_largest_component");
     parameters.cutHandles = task.values.flag("cut_handles");
     const std::string fileName = task.values.file("file_name");
-    if (fileName.empty())
-      throw ParameterError("file_name is empty: choose the file of a label volume.");
+    if (fileName.empty()) throw host::Refusal(volume_messages::noFileName);
     const Coordinates coordinates = task.values.choice("coordinates", frames);
     const bool skip = task.values.flag("skip_incomplete_phases");
     const std::vector<std::string> files =
         task.values.flag("file_series") ? fileSeries(fileName) : std::vector<std::string>{fileName};
     const auto fileCount = static_cast<int>(files.size());
     if (task.values.flag("file_series"))
-      task.log(counted(fileCount, "file", "files") + " in the series, from \"" + files.front() +
-               "\" to \"" + files.back() + "\"");
+      task.say(volume_messages::filesInSeries, fileCount, files.front(), files.back());
 
     std::string labelText = " label";
     for (const std::int32_t label : parameters.interpolation.labels)
@@ -143,20 +143,15 @@ class ImportFilter : public host::Filter {
     std::vector<Figures> figures;
     EarlierImports earlier(task.layers, files, labelText);
     if (!earlier.suffix().empty())
-      task.log(
-          "Note: layers of another file of this name are in the project, so these are called \"" +
-          stemOf(files.front()) + earlier.suffix() + labelText + "\".");
+      task.say(volume_messages::otherFileOfThisName,
+               stemOf(files.front()) + earlier.suffix() + labelText);
     long skipped = 0;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
       const std::string stem = stemOf(files[static_cast<size_t>(f)]) + earlier.suffix();
       if (fileCount > 1 && file.phases() > 1)
-        throw VolumeError("\"" + files[static_cast<size_t>(f)] + "\" holds " +
-                          std::to_string(file.phases()) +
-                          " phases by itself; the files of a series hold one each. Import it "
-                          "without file_series.");
-      for (const std::string& note : file.notes())
-        task.log(std::string(stem).append(": ").append(note));
+        throw host::Refusal(volume_messages::phasesInSeries, files[static_cast<size_t>(f)],
+                            file.phases());
       const int phases = fileCount * file.phases();
       for (int p = 0; p < file.phases(); ++p) {
         const Stopwatch stopwatch;
@@ -169,34 +164,34 @@ class ImportFilter : public host::Filter {
         try {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
-          if (const std::string text = warning(surface); !text.empty())
-            task.log("Warning: " + name + ": " + text);
+          if (const double loss = lostShare(surface); loss > maxLoss)
+            task.tell(remark(name, volume_messages::thinLabel, std::lround(100 * loss)));
           figures.emplace_back(surface, phase, stopwatch.seconds());
           addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
-          if (!skip || phases == 1)
-            throw AbsentLabelError(
-                place(files[static_cast<size_t>(f)], p, file.phases()) + host::sentence(error) +
-                (phases > 1 ? " Incomplete phases can be skipped (skip_incomplete_phases)." : ""));
-          task.log(name + ": skipped. " + host::sentence(error));
+          if (!skip || phases == 1) {
+            const std::string what =
+                place(files[static_cast<size_t>(f)], p, file.phases()) + host::sentence(error);
+            throw AbsentLabelError(phases > 1 ? host::said(volume_messages::canBeSkipped, what)
+                                              : what);
+          }
+          task.tell(remark(name, volume_messages::phaseSkipped, host::sentence(error)));
           ++skipped;
         } catch (const VolumeError& error) {
           throw VolumeError(place(files[static_cast<size_t>(f)], p, file.phases()) +
                             host::sentence(error));
         }
       }
+      for (host::Remark of : file.remarks()) {
+        of.layer = stem;
+        task.tell(of);
+      }
     }
     if (figures.empty())
-      throw AbsentLabelError("\"" + fileName + "\": no phase has the labels \"" +
-                             task.values.text("labels") + "\"; all were skipped.");
-    if (skipped > 0)
-      task.log(counted(skipped, "phase was", "phases were") +
-               " skipped, because a label is missing in them");
+      throw host::Refusal(volume_messages::allSkipped, fileName, task.values.text("labels"));
+    if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
     if (earlier.replacedUnknown() > 0)
-      task.log(
-          "Note: " + counted(earlier.replacedUnknown(), "layer", "layers") +
-          " of the same name replaced; which file they came from is not known. Where they are "
-          "another patient's, load them again and rename them, or the file, before the import.");
+      task.say(volume_messages::unknownReplaced, earlier.replacedUnknown());
     removeLeftOver(task, earlier);
     task.changes.makeFirstNewLayerCurrent();
     return outputsOf(figures);
@@ -242,15 +237,6 @@ class ImportFilter : public host::Filter {
     return outputs;
   }
 
-  /// What the user should know about a phase's surface; usually nothing.
-  static std::string warning(const VolumeSurface& surface) {
-    const double loss = lostShare(surface);
-    if (!(loss > maxLoss)) return {};
-    return "the surface encloses " + std::to_string(std::lround(100 * loss)) +
-           " % less than the label's voxels. The label is thin for so much smoothing in voxels of "
-           "this size: choose a smaller smoothing, or a smaller voxel_size.";
-  }
-
   static std::string place(const std::string& file, int phase, int phases) {
     return "\"" + file + "\"" + (phases > 1 ? ", phase " + std::to_string(phase) : "") + ": ";
   }
@@ -259,9 +245,8 @@ class ImportFilter : public host::Filter {
     const std::vector<host::Layer> layers = earlier.leftOver();
     if (layers.empty()) return;
     for (const host::Layer& layer : layers) task.changes.removeLayer(layer);
-    task.log(counted(static_cast<long>(layers.size()), "layer", "layers") +
-             " of an earlier import of this removed, which it does not make again: from \"" +
-             layers.front().label() + "\" to \"" + layers.back().label() + "\"");
+    task.say(volume_messages::leftOverRemoved, layers.size(), layers.front().label(),
+             layers.back().label());
   }
 
   static void addLayer(host::Task& task, EarlierImports& earlier, size_t file,

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "filter_label_volume/itk_reader.h"
 
+#include <NrrdIO.h>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
 
-#include <limits>
+#include <clocale>
+#include <cstdlib>
+#include <memory>
 #include <regex>
-#include <type_traits>
 
-#include "vcg_ext/base/error.h"
+#include "filter_label_volume/messages.h"
 
 namespace sphere_propagation {
 namespace {
@@ -28,79 +28,69 @@ class Silence {
   bool before_;
 };
 
-itk::ImageIOBase::Pointer readerFor(VolumeFormat format) {
-  switch (format) {
-    case VolumeFormat::Nifti:
-      return itk::NiftiImageIO::New().GetPointer();
-    case VolumeFormat::Nrrd:
-      return itk::NrrdImageIO::New().GetPointer();
-    case VolumeFormat::Meta:
-      return itk::MetaImageIO::New().GetPointer();
+/// Headers have decimal points, whatever the user's language.
+class DecimalPoints {
+ public:
+  DecimalPoints() : points_(newlocale(LC_NUMERIC_MASK, "C", locale_t{})) {
+    if (points_ != locale_t{}) before_ = uselocale(points_);
   }
-  return nullptr;
-}
+  ~DecimalPoints() {
+    if (points_ == locale_t{}) return;
+    uselocale(before_);
+    freelocale(points_);
+  }
+  DecimalPoints(const DecimalPoints&) = delete;
+  DecimalPoints& operator=(const DecimalPoints&) = delete;
 
-VoxelType typeOf(const itk::ImageIOBase& io) {
-  using Type = itk::IOComponentEnum;
-  const Type type = io.GetComponentType();
-  if (type == Type::FLOAT) return VoxelType::Float;
-  if (type == Type::DOUBLE) return VoxelType::Double;
-  const bool isSigned = type == Type::CHAR || type == Type::SHORT || type == Type::INT ||
-                        type == Type::LONG || type == Type::LONGLONG;
-  if (isSigned || type == Type::UCHAR || type == Type::USHORT || type == Type::UINT ||
-      type == Type::ULONG || type == Type::ULONGLONG) {
-    switch (io.GetComponentSize()) {
-      case 1:
-        return isSigned ? VoxelType::Int8 : VoxelType::Uint8;
-      case 2:
-        return isSigned ? VoxelType::Int16 : VoxelType::Uint16;
-      case 4:
-        return isSigned ? VoxelType::Int32 : VoxelType::Uint32;
-      case 8:
-        return isSigned ? VoxelType::Int64 : VoxelType::Uint64;
-      default:
-        break;
-    }
-  }
-  throw VolumeError("its voxels are of a type that is no label's");
+ private:
+  locale_t points_, before_{};
+};
+
+void requireAgreement(std::int64_t found, size_t bytesFound, std::int64_t numbers, size_t bytes) {
+  if (bytesFound != bytes) refuse(volume_messages::noLabelType);
+  if (found != numbers) refuse(volume_messages::itkDiffers, found, numbers);
 }
 
 }  // namespace
 
-ItkVolume readWithItk(const std::string& fileName, VolumeFormat format, std::int64_t expected) try {
+std::vector<char> readMetaWithItk(const std::string& fileName, std::int64_t numbers,
+                                  size_t bytes) try {
   const Silence silence;
-  const itk::ImageIOBase::Pointer io = readerFor(format);
+  const DecimalPoints decimalPoints;
+  const auto io = itk::MetaImageIO::New();
   io->SetFileName(fileName);
   io->ReadImageInformation();
-  ItkVolume volume;
   const unsigned dimensions = io->GetNumberOfDimensions();
-  volume.components = io->GetNumberOfComponents();
-  volume.numbers = volume.components;
+  std::int64_t found = io->GetNumberOfComponents();
   itk::ImageIORegion region(dimensions);
   for (unsigned axis = 0; axis < dimensions; ++axis) {
     region.SetSize(axis, io->GetDimensions(axis));
-    volume.numbers *= static_cast<std::int64_t>(io->GetDimensions(axis));
+    found *= static_cast<std::int64_t>(io->GetDimensions(axis));
   }
-  if (volume.numbers != expected)
-    throw VolumeError("ITK finds " + std::to_string(volume.numbers) +
-                      " numbers in it, its header says " + std::to_string(expected));
-  volume.type = typeOf(*io);
+  requireAgreement(found, io->GetComponentSize(), numbers, bytes);
   io->SetIORegion(region);
-  volume.voxels.resize(static_cast<size_t>(expected) * io->GetComponentSize());
-  io->Read(volume.voxels.data());
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    volume.toLps[5 * axis] = 1;
-    if (axis >= dimensions) continue;  // NIfTI of one slice: its matrix is known from the header
-    const std::vector<double> direction = io->GetDirection(axis);
-    for (unsigned row = 0; row < 3 && row < dimensions; ++row)
-      volume.toLps[4 * row + axis] = direction.at(row) * io->GetSpacing(axis);
-    volume.toLps[4 * axis + 3] = io->GetOrigin(axis);
-  }
-  return volume;
+  std::vector<char> voxels(static_cast<size_t>(numbers) * bytes);
+  io->Read(voxels.data());
+  return voxels;
 } catch (const itk::ExceptionObject& error) {
   // Its objects tell where they lie in memory, which is nobody's business and never the same.
-  throw VolumeError("ITK says: " + std::regex_replace(error.GetDescription(),
+  refuse(volume_messages::itkSays, std::regex_replace(std::string(error.GetDescription()),
                                                       std::regex("\\(0x[0-9a-f]+\\)"), ""));
+}
+
+/// By the library behind itk::NrrdImageIO, which reads all axes of the format; the class refuses
+/// those of time.
+std::vector<char> readNrrdWithItk(const std::string& fileName, std::int64_t numbers, size_t bytes) {
+  const DecimalPoints decimalPoints;
+  const std::unique_ptr<Nrrd, Nrrd* (*)(Nrrd*)> nrrd(nrrdNew(), &nrrdNuke);
+  if (nrrdLoad(nrrd.get(), fileName.c_str(), nullptr) != 0) {
+    const std::unique_ptr<char, void (*)(void*)> words(biffGetDone(NRRD), &std::free);
+    refuse(volume_messages::itkSays, words ? words.get() : "");
+  }
+  requireAgreement(static_cast<std::int64_t>(nrrdElementNumber(nrrd.get())),
+                   nrrdElementSize(nrrd.get()), numbers, bytes);
+  const char* const begin = static_cast<const char*>(nrrd->data);
+  return {begin, begin + static_cast<size_t>(numbers) * bytes};
 }
 
 }  // namespace sphere_propagation

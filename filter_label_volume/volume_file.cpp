@@ -3,95 +3,108 @@
 
 #include <cmath>
 #include <cstdint>
-#include <sstream>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
-#include "filter_label_volume/itk_reader.h"
+#include "filter_label_volume/messages.h"
 #include "filter_label_volume/volume_header.h"
 #include "host/remedies.h"
 #include "vcg_ext/base/error.h"
-#include "vcg_ext/base/text.h"
 
 namespace sphere_propagation {
+namespace {
+
+constexpr double wholeWithin = 1e-4;
+constexpr double floatError = 1.2e-7;  // of slope and shift, relative
+
+/// What labels can be; NaN is none, and counts as background.
+enum class Voxel { Label, NotANumber, NoLabel };
+
+template <class T>
+Voxel labelOf(T value, std::int32_t& label) {
+  if constexpr (std::is_floating_point_v<T>) {
+    const auto real = static_cast<double>(value);
+    if (std::isnan(real)) return Voxel::NotANumber;
+    const double whole = std::nearbyint(real);
+    if (!(std::fabs(real - whole) <= wholeWithin)) return Voxel::NoLabel;  // also where infinite
+    label = std::fabs(whole) <= std::numeric_limits<std::int32_t>::max()
+                ? static_cast<std::int32_t>(whole)
+                : LabelGrid::beyond;
+  } else {
+    label = static_cast<std::int32_t>(static_cast<std::int64_t>(value));
+    if (static_cast<T>(label) != value || (label < 0) != (value < T(0))) label = LabelGrid::beyond;
+  }
+  return Voxel::Label;
+}
+
+}  // namespace
 
 struct VolumeFile::Content {
   std::string name;
   VolumeHeader header;
   Eigen::Matrix4d toWorld = Eigen::Matrix4d::Identity();
-  VoxelType type = VoxelType::Uint8;
   std::vector<char> voxels;
+  long notNumbers = 0;  // of the phases that were read
 
-  void read();
   template <class T>
-  void copyPhase(int phase, LabelGrid& grid) const;
+  void copyPhase(int phase, LabelGrid& grid);
 };
 
-void VolumeFile::Content::read() {
-  header = readVolumeHeader(name);
-  if (header.unusual) {
-    type = header.type;
-    voxels = readNiftiVoxels(name, header);
-    toWorld = *header.toRas;
-    return;
-  }
-  ItkVolume volume = readWithItk(name, header.format, header.voxels);
-  if (volume.components > 1 && !header.phasesFirst)
-    throw VolumeError("it holds " + std::to_string(volume.components) +
-                      " numbers per voxel: colours and vectors are no labels");
-  type = volume.type;
-  voxels = std::move(volume.voxels);
-  if (header.toRas) {
-    toWorld = *header.toRas;
-    return;
-  }
-  toWorld.topRows<3>() =
-      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(volume.toLps.data());
-  toWorld.topRows<2>() *= -1;
-}
-
-/// Labels of the type T, phase by phase or, where phases come first, with the phase running
-/// fastest.
 template <class T>
-void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) const {
-  const size_t count = grid.values.size(),
-               phases = header.size.size() > 3 ? static_cast<size_t>(header.size[3]) : 1;
-  const T* from =
-      reinterpret_cast<const T*>(voxels.data()) +
-      (header.phasesFirst ? static_cast<size_t>(phase) : count * static_cast<size_t>(phase));
-  const size_t step = header.phasesFirst ? phases : 1;
-  long wrong = 0;
-  size_t first = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const T value = from[i * step];
-    bool good = true;
-    if constexpr (std::is_floating_point_v<T>) {
-      const double real = header.slope * static_cast<double>(value) + header.shift,
-                   whole = std::nearbyint(real);
-      good = std::fabs(real - whole) <= 1e-4 && std::fabs(whole) <= 2147483647.0;  // false for NaN
-      if (good) grid.values[i] = static_cast<std::int32_t>(whole);
-    } else {
-      grid.values[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(value));
-      good = static_cast<T>(grid.values[i]) == value && (grid.values[i] < 0) == (value < T(0));
+void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) {
+  const T* const first = reinterpret_cast<const T*>(voxels.data()) + header.strides[3] * phase;
+  const bool scaled = header.isScaled();
+  long wrong = 0, nan = 0;
+  Eigen::Vector3i firstWrong = Eigen::Vector3i::Zero();
+  double wrongValue = 0;
+  bool any = false;
+  Eigen::Vector3i at;
+  size_t to = 0;
+  for (at[2] = 0; at[2] < grid.size[2]; ++at[2])
+    for (at[1] = 0; at[1] < grid.size[1]; ++at[1]) {
+      const T* from = first + header.strides[2] * at[2] + header.strides[1] * at[1];
+      for (at[0] = 0; at[0] < grid.size[0]; ++at[0], from += header.strides[0], ++to) {
+        std::int32_t& label = grid.values[to];
+        Voxel found = Voxel::Label;
+        double value = 0;
+        if (scaled) {
+          const double product = header.slope * static_cast<double>(*from);
+          value = product + header.shift;
+          const double whole = std::nearbyint(value);
+          const double error = floatError * (std::fabs(product) + std::fabs(header.shift));
+          found = labelOf(std::fabs(value - whole) <= wholeWithin + error ? whole : value, label);
+        } else {
+          found = labelOf(*from, label);
+          if (found == Voxel::NoLabel) value = static_cast<double>(*from);
+        }
+        if (found == Voxel::Label) {
+          any = any || label != 0;
+          continue;
+        }
+        label = 0;
+        if (found == Voxel::NotANumber)
+          ++nan;
+        else if (wrong++ == 0) {
+          firstWrong = at;
+          wrongValue = value;
+        }
+      }
     }
-    if (!good && wrong++ == 0) first = i;
-  }
-  if (wrong == 0) return;
-  const auto nx = static_cast<size_t>(grid.size[0]), ny = static_cast<size_t>(grid.size[1]);
-  std::ostringstream value;
-  value << +from[first * step];
-  throw VolumeError(
-      "\"" + name + "\": " + counted(wrong, "voxel is no label", "voxels are no label") +
-      ", first voxel (" + std::to_string(first % nx) + ", " + std::to_string(first / nx % ny) +
-      ", " + std::to_string(first / nx / ny) + ") of phase " + std::to_string(phase) +
-      ", which is " + value.str() +
-      ": labels are whole numbers of 32 bits. Is this the image instead of its segmentation?");
+  if (wrong > 0)
+    refuse(volume_messages::noLabels, name, wrong, firstWrong[0], firstWrong[1], firstWrong[2],
+           phase, wrongValue);
+  if (nan > 0 && !any) throw AbsentLabelError(host::said(volume_messages::onlyNan));
+  notNumbers += nan;
 }
 
 VolumeFile::VolumeFile(std::string name, Coordinates coordinates)
     : content_(std::make_unique<Content>()) {
   content_->name = std::move(name);
   try {
-    content_->read();
+    content_->header = readVolumeHeader(content_->name);
+    content_->voxels = readVoxels(content_->name, content_->header);
+    content_->toWorld = content_->header.toRas;
     LabelGrid place;  // one voxel: only its matrix is looked at
     place.size = Eigen::Vector3i::Ones();
     place.values = {0};
@@ -99,19 +112,21 @@ VolumeFile::VolumeFile(std::string name, Coordinates coordinates)
     place.check();
   } catch (const Error& error) {
     const std::string why = host::sentence(error);
-    throw VolumeError("\"" + content_->name + "\" cannot be imported: " + why +
-                      (why.back() == '.' ? "" : "."));
+    refuse(volume_messages::notImported, content_->name, why.back() == '.' ? why : why + ".");
   }
   if (coordinates == Coordinates::Lps) content_->toWorld.topRows<2>() *= -1;
 }
 
 VolumeFile::~VolumeFile() = default;
 
-int VolumeFile::phases() const {
-  return content_->header.size.size() > 3 ? static_cast<int>(content_->header.size[3]) : 1;
-}
+int VolumeFile::phases() const { return static_cast<int>(content_->header.size[3]); }
 
-const std::vector<std::string>& VolumeFile::notes() const { return content_->header.notes; }
+std::vector<host::Remark> VolumeFile::remarks() const {
+  std::vector<host::Remark> remarks = content_->header.remarks;
+  if (content_->notNumbers > 0)
+    remarks.push_back(remark("", volume_messages::nanIsBackground, content_->notNumbers));
+  return remarks;
+}
 
 LabelGrid VolumeFile::phase(int phase) const {
   LabelGrid grid;
@@ -119,7 +134,7 @@ LabelGrid VolumeFile::phase(int phase) const {
     grid.size[axis] = static_cast<int>(content_->header.size[static_cast<size_t>(axis)]);
   grid.toWorld = content_->toWorld;
   grid.values.resize(grid.voxelCount());
-  switch (content_->type) {
+  switch (content_->header.type) {
     case VoxelType::Int8:
       content_->copyPhase<std::int8_t>(phase, grid);
       break;

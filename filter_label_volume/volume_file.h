@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Label volumes in files, as ITK reads them.
+/// Label volumes in files.
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "host/message.h"
 #include "vcg_ext/volume/label_grid.h"
 
 namespace sphere_propagation {
@@ -25,11 +26,12 @@ class VolumeFile {
   VolumeFile& operator=(const VolumeFile&) = delete;
 
   int phases() const;
-  /// phase: 0 to phases() - 1. Throws VolumeError when a voxel is no whole number, or none of 32
-  /// bits.
+  /// phase: 0 to phases() - 1. NaN is background. Labels beyond 32 bits become
+  /// LabelGrid::beyond. Throws VolumeError when a voxel is no whole number; AbsentLabelError when
+  /// all are NaN or 0.
   LabelGrid phase(int phase) const;
-  /// What the user should know about the file.
-  const std::vector<std::string>& notes() const;
+  /// What the user should know about the file, and the phases that were read so far.
+  std::vector<host::Remark> remarks() const;
 
  private:
   struct Content;

@@ -37,8 +37,11 @@ def catalogue():
 
 
 def said_by(plugin):
-    """What the filters of a plugin say, as far as it is in their catalogue (messages.def)."""
-    return _library().plugin_messages(str(plugin).encode()).decode().splitlines()
+    """What the filters of a plugin, and of the one that reads label volumes beside it, say, as far
+    as it is in their catalogues (messages.def)."""
+    files = [plugin, plugin.with_name("libfilter_label_volume.so")]
+    said = [_library().plugin_messages(str(file).encode()).decode() for file in files]
+    return "\n".join(said).splitlines()
 
 
 def menu_entries(file):

@@ -28,6 +28,9 @@ META_TYPES = {
     "f4": "MET_FLOAT",
     "f8": "MET_DOUBLE",
     "i1": "MET_CHAR",
+    "u4": "MET_UINT",
+    "i8": "MET_LONG_LONG",
+    "u8": "MET_ULONG_LONG",
 }
 NRRD_TYPES = {
     "u1": "uint8",
@@ -37,6 +40,9 @@ NRRD_TYPES = {
     "f4": "float",
     "f8": "double",
     "i1": "int8",
+    "u4": "unsigned int",
+    "i8": "signed long long",
+    "u8": "unsigned long long int",
 }
 
 
@@ -52,29 +58,77 @@ def data(array):
 
 
 def nifti(
-    array, matrix=IDENTITY, size=None, sform=1, qform=None, pixdim=None, slope=0.0, big=False
+    array,
+    matrix=IDENTITY,
+    size=None,
+    sform=1,
+    qform=None,
+    pixdim=None,
+    slope=0.0,
+    inter=0.0,
+    big=False,
+    version=1,
+    unit=2,
+    intent=0,
+    begin=None,
 ):
-    """The bytes of a NIfTI-1 file. qform: (b, c, d, offset, qfac); size: what the header claims
-    instead of the truth."""
+    """The bytes of a NIfTI file of version 1 or 2. qform: (b, c, d, offset, qfac); size: what the
+    header claims instead of the truth; begin: what it says of where the voxels are."""
+    header, voxels = nifti_pair(
+        array, matrix, size, sform, qform, pixdim, slope, inter, big, version, unit, intent, begin
+    )
+    header[344:347] = b"n+1" if version == 1 else header[344:347]
+    header[4:7] = b"n+2" if version == 2 else header[4:7]
+    if begin is None:
+        struct.pack_into(
+            (">" if big else "<") + "fq"[version - 1], header, (108, 168)[version - 1], len(header)
+        )
+    return bytes(header) + voxels
+
+
+def nifti_pair(
+    array,
+    matrix=IDENTITY,
+    size=None,
+    sform=1,
+    qform=None,
+    pixdim=None,
+    slope=0.0,
+    inter=0.0,
+    big=False,
+    version=1,
+    unit=2,
+    intent=0,
+    begin=None,
+):
+    """The bytes of .hdr (which may be changed) and .img; see nifti."""
     order = ">" if big else "<"
     size = list(array.shape if size is None else size)
-    header = bytearray(352)
-    struct.pack_into(order + "i", header, 0, 348)
-    struct.pack_into(order + "8h", header, 40, len(size), *(size + [1] * (7 - len(size))))
-    struct.pack_into(order + "hh", header, 70, NIFTI_TYPES[code(array)], 8 * array.itemsize)
+    header = bytearray(352 if version == 1 else 544)
+
+    def put(first, second, of_first, of_second, *values):
+        place, kind = (first, of_first) if version == 1 else (second, of_second)
+        struct.pack_into(f"{order}{len(values)}{kind}", header, place, *values)
+
+    put(0, 0, "i", "i", 348 if version == 1 else 540)
+    put(40, 16, "h", "q", len(size), *(size + [1] * (7 - len(size))))
+    put(70, 12, "h", "h", NIFTI_TYPES[code(array)], 8 * array.itemsize)
     spacing = list(np.linalg.norm(np.asarray(matrix)[:3, :3], axis=0) if pixdim is None else pixdim)
-    struct.pack_into(
-        order + "8f", header, 76, 1 if qform is None else qform[4], *spacing, 1, 1, 1, 1
-    )
-    struct.pack_into(order + "3f", header, 108, 352, slope, 0)
-    header[123] = 2
-    struct.pack_into(order + "hh", header, 252, 0 if qform is None else 1, sform)
+    put(76, 104, "f", "d", 1 if qform is None else qform[4], *spacing, 1, 1, 1, 1)
+    put(108, 168, "f", "q", begin or 0)
+    put(112, 176, "f", "d", slope, inter)
+    put(123, 500, "B", "i", unit)
+    put(68, 504, "h", "i", intent)
+    put(252, 344, "h", "i", 0 if qform is None else 1, sform)
     if qform is not None:
-        struct.pack_into(order + "6f", header, 256, *qform[:3], *qform[3])
+        put(256, 352, "f", "d", *qform[:3], *qform[3])
     if sform:
-        struct.pack_into(order + "12f", header, 280, *np.asarray(matrix, float)[:3].ravel())
-    header[344:348] = b"n+1\0"
-    return bytes(header) + data(array.astype(array.dtype.newbyteorder(order)))
+        put(280, 400, "f", "d", *np.asarray(matrix, float)[:3].ravel())
+    if version == 1:
+        header[344:347] = b"ni1"
+    else:
+        header[4:12] = b"ni2\0\r\n\x1a\n"
+    return header, data(array.astype(array.dtype.newbyteorder(order)))
 
 
 def read_nifti(path):
@@ -127,6 +181,24 @@ def nrrd(array, matrix=IDENTITY, encoding="raw", size=None, kinds=None):
         f"space origin: ({','.join(map(repr, matrix[:3, 3].tolist()))})\n\n"
     ).encode()
     return text + (gzip.compress(data(array)) if encoding == "gzip" else data(array))
+
+
+def nrrd_of(array, *fields):
+    """A raw NRRD file with these lines of header."""
+    lines = ["NRRD0005", f"type: {NRRD_TYPES[code(array)]}", f"dimension: {array.ndim}"]
+    lines += ["sizes: " + " ".join(map(str, array.shape)), *fields, "endian: little"]
+    return "\n".join([*lines, "encoding: raw", "", ""]).encode() + data(array)
+
+
+def meta_of(array, *fields, compressed=False):
+    """A MetaImage file with these lines of header."""
+    voxels = zlib.compress(data(array)) if compressed else data(array)
+    lines = ["ObjectType = Image", f"NDims = {array.ndim}", "BinaryData = True"]
+    lines += [f"CompressedData = {compressed}"]
+    lines += [f"CompressedDataSize = {len(voxels)}"] * compressed
+    lines += [*fields, "DimSize = " + " ".join(map(str, array.shape))]
+    lines += [f"ElementType = {META_TYPES[code(array)]}", "ElementDataFile = LOCAL", ""]
+    return "\n".join(lines).encode() + voxels
 
 
 def egg(size=(20, 18, 16), dtype="u1", value=1):

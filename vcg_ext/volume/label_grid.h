@@ -3,6 +3,7 @@
 /// A label volume of one phase, as it lies in space.
 
 #include <cstdint>
+#include <limits>
 #include <map>
 
 #include "vcg_ext/volume/grid.h"
@@ -11,6 +12,9 @@ namespace sphere_propagation {
 
 /// The label of each voxel; 0 is the background.
 struct LabelGrid : Grid<std::int32_t> {
+  /// Stands for every label of a file that 32 bits cannot hold, and that so cannot be asked for.
+  static constexpr std::int32_t beyond = std::numeric_limits<std::int32_t>::min();
+
   /// (i, j, k, 1), the centre of a voxel, to mm; any affine map.
   Eigen::Matrix4d toWorld = Eigen::Matrix4d::Identity();
 

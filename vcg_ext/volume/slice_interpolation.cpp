@@ -53,7 +53,9 @@ void requireLabels(const LabelGrid& grid, const std::vector<std::int32_t>& label
   std::string found;
   int listed = 0;
   for (const auto& label : counts)
-    if (++listed <= 10) found += (found.empty() ? "" : ", ") + std::to_string(label.first);
+    if (++listed <= 10)
+      found += (found.empty() ? "" : ", ") +
+               (label.first == LabelGrid::beyond ? "beyond 32 bits" : std::to_string(label.first));
   if (listed > 10) found += " and " + std::to_string(listed - 10) + " more";
   throw AbsentLabelError(Finding(found.empty() ? Fault::OnlyBackground : Fault::AbsentLabel)
                              .of(static_cast<long>(absent.size()))
