@@ -71,7 +71,7 @@ class ColorFilter : public host::Filter {
         task.changes.setColors(
             layer, mesh,
             sphereColors(positions, sphereSpacing(positions, mesh.surface.faces()), parameters));
-      if (source == nullptr && storeRatio) task.say(messages::sphereWithoutSurface, layer.label());
+      if (source == nullptr && storeRatio) task.sayOf(layer, messages::sphereWithoutSurface);
       if (source != nullptr || pattern) ++colored;
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
@@ -124,7 +124,7 @@ class ColorFilter : public host::Filter {
     try {
       return layer.surface();
     } catch (const SurfaceError& error) {
-      task.say(messages::layerLeftOut, host::sentence(error));
+      task.sayOf(layer, messages::layerLeftOut, host::complaint(error));
       return std::nullopt;
     }
   }

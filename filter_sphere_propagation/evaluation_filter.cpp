@@ -46,6 +46,8 @@ class EvaluationFilter : public host::Filter {
       task.log(describeMap(layers[i].label(), mesh.surface, measures) +
                (rootMark ? ", root " + std::to_string(*rootMark) : std::string()) + ", " +
                shortNumber(seconds) + " s");
+      if (!measures.certificate.valid())
+        task.sayOf(layers[i], messages::mapNotValid, measures.certificate.reason());
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));
     }
     logSeveralRoots(task, layers);

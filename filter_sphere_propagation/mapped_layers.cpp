@@ -11,21 +11,22 @@ namespace sphere_propagation {
 
 namespace {
 
-/// What a layer was read as, and what the log is to say about it.
+/// What a layer was read as, and what is to be said about it.
 struct Reading {
   std::optional<MeshSurface> mesh;
   std::optional<MappedSurface> map;
-  std::string note;
+  std::optional<host::Remark> note;
 };
 
 Reading readSurface(const host::Layer& layer) {
-  const std::string missing = layer.label() + ": has no map, left out";
-  if (!layer.storesPositions()) return {std::nullopt, std::nullopt, missing};
+  if (!layer.storesPositions())
+    return {std::nullopt, std::nullopt, host::remarkOn(layer.label(), messages::leftOutWithoutMap)};
   try {
-    return {layer.surface(), std::nullopt, {}};
+    return {layer.surface(), std::nullopt, std::nullopt};
   } catch (const SurfaceError& error) {
     if (layer.hasAttribute()) throw;
-    return {std::nullopt, std::nullopt, missing + " (" + host::sentence(error) + ")"};
+    return {std::nullopt, std::nullopt,
+            host::remarkOn(layer.label(), messages::layerLeftOut, host::complaint(error))};
   }
 }
 
@@ -33,7 +34,7 @@ Reading readMap(const host::Layer& layer) {
   Reading reading = readSurface(layer);
   if (!reading.mesh) return reading;
   reading.map = layer.map(*reading.mesh);
-  if (!reading.map) reading.note = layer.label() + ": carries no valid map, left out";
+  if (!reading.map) reading.note = host::remarkOn(layer.label(), messages::leftOutWithBadMap);
   return reading;
 }
 
@@ -41,7 +42,7 @@ Reading readMap(const host::Layer& layer) {
 
 std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer) {
   Reading reading = readSurface(layer);
-  if (!reading.note.empty()) task.log(reading.note);
+  if (reading.note) task.tell(*reading.note);
   return std::move(reading.mesh);
 }
 
@@ -54,7 +55,7 @@ std::vector<MappedLayer> mappedLayersIfAny(const host::Task& task, ThreadPool* p
   std::vector<MappedLayer> found;
   for (size_t i = 0; i < layers.size(); ++i) {
     Reading& reading = readings[i];
-    if (!reading.note.empty()) task.log(reading.note);
+    if (reading.note) task.tell(*reading.note);
     if (reading.map)
       found.push_back({layers[i], std::move(*reading.mesh), std::move(*reading.map)});
   }

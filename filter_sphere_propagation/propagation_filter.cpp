@@ -276,7 +276,7 @@ class PropagationFilter : public host::Filter {
       if (!planes[i]) continue;
       mirrored[static_cast<Eigen::Index>(i)] = 1;
       task.changes.mirror(participants.layers[i], *planes[i]);
-      task.say(messages::reflected, participants.layers[i].label(), *planes[i]);
+      task.sayOf(participants.layers[i], messages::reflected, *planes[i]);
     }
     return mirrored;
   }
@@ -314,9 +314,9 @@ class PropagationFilter : public host::Filter {
       if (isRoot) {
         line += " (root)";
       } else {
-        const std::string note =
+        const auto note =
             task.changes.setMap(participants.layers[i], participants.meshes[i], layer.map(), root);
-        if (!note.empty()) task.log(note);
+        if (note) task.tell(*note);
         line += ", from " + from + " with residual " +
                 shortNumber(layer.transferred.residual.mean) + " (95 % below " +
                 shortNumber(layer.transferred.residual.p95) + "), " +

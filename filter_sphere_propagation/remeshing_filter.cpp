@@ -36,7 +36,7 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task,
     if (!found[*sources[i]])
       found[*sources[i]] = landmarks[i].id();
     else
-      task.say(messages::landmarksTwice, landmarks[i].label(), surfaces[*sources[i]].label());
+      task.sayOf(landmarks[i], messages::landmarksTwice, surfaces[*sources[i]].label());
   }
   return found;
 }

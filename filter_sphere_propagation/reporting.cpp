@@ -5,12 +5,10 @@ namespace sphere_propagation {
 
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures) {
-  std::string line = label + ": " + counted(surface.vertexCount(), "vertex", "vertices") + ", " +
-                     counted(measures.certificate.flippedFaces, "flipped face", "flipped faces") +
-                     ", area ratio sd " + shortNumber(measures.areaRatioSd) + ", angle error " +
-                     shortNumber(measures.angleErrorMean) + " degrees";
-  if (!measures.certificate.valid()) line += "; NOT VALID: " + measures.certificate.reason();
-  return line;
+  return label + ": " + counted(surface.vertexCount(), "vertex", "vertices") + ", " +
+         counted(measures.certificate.flippedFaces, "flipped face", "flipped faces") +
+         ", area ratio sd " + shortNumber(measures.areaRatioSd) + ", angle error " +
+         shortNumber(measures.angleErrorMean) + " degrees";
 }
 
 MapFigures::MapFigures(size_t layers) {

@@ -40,15 +40,15 @@ class RootFilter : public host::Filter {
     const MeshSurface mesh = layer.surface();
     const RootMapResult result =
         makeRootMap(mesh.surface, parameters, part(task.progress, 0, 0.95));
-    const std::string storageNote = task.changes.setMap(layer, mesh, result.map);
+    const auto storageNote = task.changes.setMap(layer, mesh, result.map);
     const MapMeasures measures = measureMap(mesh.surface, result.map.positions());
     if (!result.failures.empty())
-      task.say(messages::anotherStart, layer.label(), nameOf(result.used), result.failures);
-    if (!storageNote.empty()) task.log(storageNote);
+      task.sayOf(layer, messages::anotherStart, nameOf(result.used), result.failures);
+    if (storageNote) task.tell(*storageNote);
     const double seconds = stopwatch.seconds();
     if (const std::string note = largerLayer(task.layers); !note.empty())
       task.say(messages::betterRoot, layer.id(), note);
-    if (const host::Message* note = sphereNote(layer, mesh.surface)) task.say(*note, layer.label());
+    if (const host::Message* note = sphereNote(layer, mesh.surface)) task.sayOf(layer, *note);
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) +
              " s (" + nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") +
              ", " + counted(result.steps, "step", "steps") + ")");

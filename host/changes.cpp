@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "host/document.h"
+#include "host/messages.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/fingerprint.h"
-#include "vcg_ext/base/text.h"
 #include "vcg_ext/sphere/repair/float_copy.h"
 
 namespace sphere_propagation::host {
@@ -172,8 +172,8 @@ struct Changes::LayerChange {
 Changes::Changes(MeshDocument& document) : document_(document) {}
 Changes::~Changes() = default;
 
-std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
-                            const MappedSurface& map, std::optional<int> root) {
+std::optional<Remark> Changes::setMap(const Layer& layer, const MeshSurface& surface,
+                                      const MappedSurface& map, std::optional<int> root) {
   MapChange change{layer.id(), surface.meshVertex, {}, copyToTexture(map), 0};
   int mended = change.texture->mendedVertices;
   const bool textureHoldsIt = change.texture->valid;
@@ -195,27 +195,14 @@ std::string Changes::setMap(const Layer& layer, const MeshSurface& surface,
         change.positions.push_back(pointm(rounded, v));
     }
   }
-  if (!textureHoldsIt && !attributeHoldsIt)
-    throw MapError("Layer \"" + layer.label() +
-                   "\": its map has faces too small for the single precision in which this "
-                   "MeshLab stores it. PyMeshLab stores double precision; or make the mesh "
-                   "coarser where it is finest (Filters, Remeshing).");
+  if (!textureHoldsIt && !attributeHoldsIt) throw Refusal(messages::mapNotStored, layer.label());
   // What stands for a map stands for what is stored, so that it can be told again from the layer.
   change.root =
       root ? *root : fingerprintOf(change.positions, change.texture, surface.surface.faces());
   maps_.push_back(std::move(change));
-  const std::string name = "Layer \"" + layer.label() + "\": ";
-  if (!textureHoldsIt)
-    return name +
-           "its map is too fine for texture coordinates, which are stored as float; it is kept as "
-           "the attribute \"sphere_position\" only, which files do not keep.";
-  if (!attributeHoldsIt)
-    return name +
-           "its map is too fine for the attribute \"sphere_position\", which this MeshLab stores "
-           "as float; it is kept as texture coordinates only.";
-  if (mended > 0)
-    return name + counted(mended, "vertex was", "vertices were") +
-           " moved by a few units in the last place, so that the map stays valid as float.";
+  if (!textureHoldsIt) return remarkOn(layer.label(), messages::mapNotInFiles);
+  if (!attributeHoldsIt) return remarkOn("", messages::mapNotInAttribute, layer.label());
+  if (mended > 0) return remarkOn("", messages::verticesMoved, layer.label(), mended);
   return {};
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/layers.h"
+#include "host/message.h"
 
 class MeshDocument;
 class CMeshO;
@@ -48,10 +49,10 @@ class Changes {
   /// stored. root: the mark of the root that it came from; nothing where the layer is a root
   /// itself: it gets a mark of its own. Returns what the user should know about that; usually
   /// nothing: texture coordinates are floats, in some hosts the attribute is as well, and where
-  /// rounding makes faces flip beyond mending, one of them alone is kept. Throws MapError when
+  /// rounding makes faces flip beyond mending, one of them alone is kept. Throws Refusal when
   /// neither holds the map.
-  std::string setMap(const Layer& layer, const MeshSurface& surface, const MappedSurface& map,
-                     std::optional<int> root = {});
+  std::optional<Remark> setMap(const Layer& layer, const MeshSurface& surface,
+                               const MappedSurface& map, std::optional<int> root = {});
 
   /// Puts a mark on a layer, see layers.h.
   void setMark(const Layer& layer, const char* name, int value);

@@ -40,7 +40,7 @@ struct FilterDescription {
   Arity arity = Arity::CurrentLayer;
 };
 
-/// What a filter returns to scripts.
+/// What a filter returns to scripts, beside the key of warnings.h.
 using Outputs = std::map<std::string, std::variant<int, double, bool, Eigen::VectorXd>>;
 
 /// One run of a filter.
@@ -48,7 +48,7 @@ struct Task {
   const Layers& layers;
   const ParameterValues& values;
   Changes& changes;
-  std::function<void(const Remark&)> tell;  ///< what MeshLab's log is to say
+  std::function<void(const Remark&)> tell;  ///< what MeshLab's log and scripts are to know
   Progress progress;
 
   /// News that have no message of their own, as figures.
@@ -56,12 +56,17 @@ struct Task {
   /// What a message says of the result.
   template <class... Values>
   void say(const Message& message, const Values&... values) const {
-    tell({message.kind, message.name, "", said(message, values...)});
+    tell(remarkOn("", message, values...));
   }
   /// What it says of a layer.
   template <class... Values>
   void sayOf(const Layer& layer, const Message& message, const Values&... values) const {
-    tell({message.kind, message.name, layer.label(), said(message, values...)});
+    tell(remarkOn(layer.label(), message, values...));
+  }
+  /// The same of one that is yet to be made, by its label.
+  template <class... Values>
+  void sayOf(const std::string& layer, const Message& message, const Values&... values) const {
+    tell(remarkOn(layer, message, values...));
   }
 };
 

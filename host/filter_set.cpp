@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "host/input_guard.h"
+#include "host/messages.h"
 #include "host/remedies.h"
+#include "host/warnings.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -95,8 +97,7 @@ int FilterSet::changes() {
 FilterSet::Result FilterSet::run(int index, const RichParameterList& values, MeshDocument& document,
                                  vcg::CallBackPos* callback,
                                  const std::function<void(const std::string&)>& log) {
-  if (running_)
-    return {"A filter of this plugin is still running: wait until it has finished.", {}};
+  if (running_) return {said(messages::stillRunning), {}};
   struct Running {
     bool& flag;
     explicit Running(bool& f) : flag(f) { flag = true; }
@@ -113,9 +114,14 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     Changes changes(document);
     const Layers layers(document);
     const RichValues richValues(values);
-    Task task{layers, richValues, changes, [&log](const Remark& remark) { log(remark.line()); },
-              percentReporter(callback, name)};
+    std::vector<Remark> remarks;
+    const auto tell = [&](const Remark& remark) {
+      log(remark.line());
+      remarks.push_back(remark);
+    };
+    Task task{layers, richValues, changes, tell, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
+    if (auto warnings = encodedWarnings(remarks)) outputs[warningsKey] = std::move(*warnings);
     report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab
                                // has yet to take in
     const int changed = changes.commit();
@@ -125,11 +131,11 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
   } catch (const MLException& error) {  // a parameter is missing
     return {error.what(), {}};
   } catch (const std::bad_alloc&) {
-    return {name + ": there is not enough memory for this.", {}};
+    return {said(messages::notEnoughMemory, name), {}};
   } catch (const std::exception& error) {
-    return {name + ": internal error: " + error.what(), {}};
+    return {said(messages::internalError, name, error.what()), {}};
   } catch (...) {
-    return {name + ": internal error of an unknown kind.", {}};
+    return {said(messages::unknownError, name), {}};
   }
 }
 

@@ -16,6 +16,10 @@ using Values = std::map<std::string, std::string>;
 
 constexpr std::string_view lineBreak = "<br>";
 
+/// What is true of every filter (warnings.h).
+constexpr const char* ofWarnings =
+    "<br><br>What deserves a look is said in the log, and returned to scripts as <b>warnings</b>.";
+
 [[noreturn]] void fail(const std::string& file, const std::string& what) {
   throw std::logic_error("help/" + file + ": " + what);
 }
@@ -115,7 +119,7 @@ Help::Help(std::string pythonName, const Values& values) : pythonName_(std::move
 }
 
 FilterDescription Help::describe(int menus, Arity arity) const {
-  return {title_, pythonName_, info_, menus, arity};
+  return {title_, pythonName_, info_ + ofWarnings, menus, arity};
 }
 
 Parameter Help::parameter(const std::string& name, decltype(Parameter::value) value) const {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/document.h"
+#include "host/messages.h"
 #include "vcg_ext/base/fingerprint.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/usable_extent.h"
@@ -210,9 +211,7 @@ std::optional<Colors> Layer::colors(const MeshSurface& surface) const {
 }
 
 Layer Layers::current() const {
-  if (document_.mm() == nullptr)
-    throw ParameterError(
-        "The project has no layer. Load a closed triangle mesh first (File, Import Mesh).");
+  if (document_.mm() == nullptr) throw Refusal(messages::noLayer);
   return Layer(*document_.mm());
 }
 
@@ -242,10 +241,7 @@ std::vector<Layer> Layers::visible(LayerKind kind) const {
 
 std::vector<Layer> Layers::visibleSurfaces() const {
   std::vector<Layer> found = visible(LayerKind::Surface);
-  if (found.empty())
-    throw ParameterError(
-        "No surface layer is visible. Load closed triangle meshes, or show them in the layer "
-        "dialog; layers of landmarks, of spheres and of shape models do not count.");
+  if (found.empty()) throw Refusal(messages::noVisibleSurface);
   return found;
 }
 

@@ -107,7 +107,7 @@ class Layers {
  public:
   explicit Layers(const MeshDocument& document) : document_(document) {}
 
-  /// The current layer. Throws ParameterError when there is none.
+  /// The current layer. Throws Refusal when there is none.
   Layer current() const;
   /// The id of the current layer, -1 when there is none.
   int currentId() const;
@@ -117,7 +117,7 @@ class Layers {
   std::vector<Layer> all(LayerKind kind) const;
   /// The visible layers of a kind, in layer order.
   std::vector<Layer> visible(LayerKind kind) const;
-  /// The same, and a ParameterError that says what to do when there is none.
+  /// The same; throws Refusal, which says what to do, when there is none.
   std::vector<Layer> visibleSurfaces() const;
 
  private:

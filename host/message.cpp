@@ -11,14 +11,16 @@ std::string Remark::line() const {
   return head + (layer.empty() ? layer : layer + ": ") + text;
 }
 
-std::string outline(const Message& message) {
-  return Remark{message.kind, message.name, message.kind == Message::Kind::LayerWarning ? "…" : "",
-                fill(message.text, [](std::string_view) { return "…"; })}
+std::string outline(const Message& message, Host host) {
+  return Remark{
+      message.kind, message.name, message.kind == Message::Kind::LayerWarning ? "…" : "",
+      fill(withMenuEntries(std::string(message.text), host), [](std::string_view) { return "…"; })}
       .line();
 }
 
 std::string filled(const Message& message, const std::vector<std::string>& values) {
-  return fill(message.text, [&](std::string_view gap) {
+  // Menu entries first: what fills a gap is not ours.
+  return fill(withMenuEntries(std::string(message.text), thisHost()), [&](std::string_view gap) {
     return values.at(static_cast<size_t>(std::stoi(std::string(gap))) - 1);
   });
 }

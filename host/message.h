@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
 /// What filters say. Each plugin keeps its texts in a catalogue (messages.def), which is what the
-/// page docs/errors.md is checked against; the gaps in them are {1}, {2} (vcg_ext/base/sentence.h).
+/// page docs/errors.md is checked against; the gaps in them are {1}, {2} (vcg_ext/base/sentence.h),
+/// and filters of MeshLab's own stand in angle brackets (remedies.h).
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "host/remedies.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/sentence.h"
 
@@ -25,7 +27,8 @@ struct Message {
   std::string_view text;
 };
 
-/// A message about a result, for the log.
+/// A message about a result: for the log, and for scripts where it deserves their attention
+/// (warnings.h).
 struct Remark {
   Message::Kind kind = Message::Kind::News;
   std::string name;   ///< of the message; empty: news that have none
@@ -45,7 +48,7 @@ inline std::string inWords(long number) { return std::to_string(number); }
 inline std::string inWords(size_t number) { return std::to_string(number); }
 
 /// The line of the log, or the error, with "…" in the gaps, as the pages show it.
-std::string outline(const Message& message);
+std::string outline(const Message& message, Host host = Host::MeshLab2025);
 
 std::string filled(const Message& message, const std::vector<std::string>& values);
 
@@ -53,6 +56,12 @@ std::string filled(const Message& message, const std::vector<std::string>& value
 template <class... Values>
 std::string said(const Message& message, const Values&... values) {
   return filled(message, {inWords(values)...});
+}
+
+/// What a message says of a layer; layer empty: of the result as a whole.
+template <class... Values>
+Remark remarkOn(const std::string& layer, const Message& message, const Values&... values) {
+  return {message.kind, message.name, layer, said(message, values...)};
 }
 
 /// What a filter refuses; its text is the message's.

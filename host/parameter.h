@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "vcg_ext/base/error.h"
+#include "host/messages.h"
 
 namespace sphere_propagation::host {
 
@@ -87,14 +87,13 @@ class ParameterValues {
   virtual std::string file(const std::string& name) const = 0;     ///< a path; empty: none chosen
   virtual std::string newFile(const std::string& name) const = 0;  ///< a path; empty: none
 
-  /// The value chosen from the list that the parameter was made of. Throws ParameterError when it
-  /// is none of them.
+  /// The value chosen from the list that the parameter was made of. Throws Refusal when it is none
+  /// of them.
   template <class Enum, size_t N>
   Enum choice(const std::string& name, const Named<Enum> (&all)[N]) const {
     const int chosen = index(name);
     if (chosen < 0 || static_cast<size_t>(chosen) >= N)
-      throw ParameterError(name + " is " + std::to_string(chosen) + ", but must be 0 to " +
-                           std::to_string(N - 1) + ".");
+      throw Refusal(messages::noSuchChoice, name, chosen, N - 1);
     return all[chosen].value;
   }
 };

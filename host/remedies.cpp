@@ -173,6 +173,12 @@ std::string sentence(const Error& error, Host host) {
   return joined(statement(error.finding(), "layer"), error.fault(), host);
 }
 
+std::string complaint(const Error& error, Host host) {
+  const std::string text = sentence(error, host);
+  const std::string name = "Layer \"" + error.finding().name + "\": ";
+  return text.compare(0, name.size(), name) == 0 ? text.substr(name.size()) : text;
+}
+
 std::string outline(Fault fault, Host host) {
   const std::string text = fill(sentenceOf(fault), [](std::string_view gap) -> std::string {
     return gap == "Noun" ? "Layer" : gap == "noun" ? "layer" : gap == "nouns" ? "layers" : "…";

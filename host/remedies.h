@@ -34,6 +34,9 @@ extern const std::array<MenuEntry, menuEntryCount> menuEntries;
 /// Close it with "Close Holes".`
 std::string sentence(const Error& error, Host host = thisHost());
 
+/// The same without the name of the surface, for where it was named.
+std::string complaint(const Error& error, Host host = thisHost());
+
 /// What to do about a fault; empty where its statement says all. It goes on with the statement
 /// where it begins with a colon.
 std::string remedyOf(Fault fault, Host host);

@@ -4,13 +4,16 @@
 #include <QAction>
 #include <utility>
 
+#include "host/messages.h"
+
 namespace sphere_propagation::host {
 
 Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
-               const std::vector<Message>& messages)
+               const std::vector<Message>& ownMessages)
     : name_(name), filters_(std::move(filters)) {
   QStringList lines;
-  for (const Message& message : messages) lines << qt(outline(message));
+  for (const Message& message : messages::all) lines << qt(outline(message));
+  for (const Message& message : ownMessages) lines << qt(outline(message));
   setProperty("messages", lines);
   for (int id = 0; id < filters_.size(); ++id) {
     typeList.push_back(id);

@@ -18,10 +18,10 @@ namespace sphere_propagation::host {
 
 class Plugin : public QObject, public MeshFilterInterface {
  public:
-  /// messages: what the filters say, for the tests of the pages, which read it as the property
-  /// "messages".
+  /// ownMessages: what these filters say beside host/messages.def, for the tests of the pages,
+  /// which read all of it as the property "messages".
   Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
-         const std::vector<Message>& messages = {});
+         const std::vector<Message>& ownMessages = {});
 
   QString pluginName() const override { return name_; }
   QString filterName(FilterIDType id) const override { return qt(filters_.description(id).name); }

@@ -14,6 +14,7 @@ arrays:
 """
 
 from . import plugin as _plugin
+from .attention import warnings_of
 from .correspondence import Correspondence, correspond
 from .errors import (
     FileError,
@@ -73,6 +74,7 @@ __all__ = [
     "read_meshes",
     "remesh",
     "shape_model",
+    "warnings_of",
     "write_layers",
     "write_nifti",
     "write_ply",

@@ -35,7 +35,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return shown[-1]
 
     def show_warning(message, category, filename, lineno, file=None, line=None) -> None:
-        (shown[-1] if shown else progress.Lines()).note(f"warning: {message}")
+        (shown[-1] if shown else progress.Lines()).warning(str(message))
 
     try:
         with warnings.catch_warnings():
@@ -118,7 +118,7 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
                 "scores, and how good it is"
             )
     print(
-        "  figures.csv: one row per layer"
+        "  figures.csv: one row per layer    warnings.csv: what deserves a look"
         + ("    *.png: pictures" if any(folder.glob("*.png")) else "")
     )
     print(f"  {gallery.PAGE}: everything on one page, for a browser")

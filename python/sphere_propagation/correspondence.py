@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import List, Optional, Sequence
 
 import numpy as np
 
-from .errors import FilterError, InputError
+from . import attention
+from .errors import FilterError, InputError, SpherePropagationWarning
 from .filters import MAX_LANDMARKS, Figures, parameterise_root, propagate, remesh
 from .parameters import (
     DEFAULTS,
@@ -39,6 +40,8 @@ class Correspondence:
     landmark_faces: np.ndarray  # (20 f^2, 3), shared by all
     # Those of Propagation and of Landmarks, whose seconds are called remeshing_seconds.
     figures: Figures
+    # Of all steps, as they were issued.
+    warnings: List[SpherePropagationWarning] = field(default_factory=list)
 
 
 def correspond(
@@ -89,6 +92,17 @@ def correspond_by(
     progress: Silent = SILENT,
 ) -> Correspondence:
     """As correspond."""
+    with attention.collected() as said:
+        found = _correspond(parameters, surfaces, root_map, progress)
+    return replace(found, warnings=said)
+
+
+def _correspond(
+    parameters: CorrespondenceParameters,
+    surfaces: Sequence[SurfaceLike],
+    root_map: Optional[MapLike],
+    progress: Silent,
+) -> Correspondence:
     surfaces = as_surfaces(surfaces)
     parameters = checked(parameters, len(surfaces))
     root = largest(surfaces) if parameters.root is None else parameters.root
@@ -116,9 +130,6 @@ def correspond_by(
         area_restoration=parameters.area_restoration,
         mirror_layers=parameters.mirror_layers,
     )
-    for surface, mirrored in zip(surfaces, propagation.figures["mirrored"]):
-        if mirrored:
-            progress.note(f"{surface.name} is a mirror image of the others, and was reflected")
     surfaces = propagation.surfaces
     figures = dict(propagation.figures)
     figures["seconds"] = figures["seconds"].copy()
@@ -195,17 +206,18 @@ def _root_of(parents: Parents, count: int) -> int:
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     try:
-        propagate(
-            [Surface(corners, faces, f"surface {i}") for i in range(count)],
-            corners / np.sqrt(3),
-            root_layer=min(root, count - 1),
-            method="As published",
-            order="Given",
-            parents=numbers,
-            anisotropic_scaling=False,
-            icp_iterations=0,
-            smoothing_sweeps=0,
-        )
+        with attention.silenced():
+            propagate(
+                [Surface(corners, faces, f"surface {i}") for i in range(count)],
+                corners / np.sqrt(3),
+                root_layer=min(root, count - 1),
+                method="As published",
+                order="Given",
+                parents=numbers,
+                anisotropic_scaling=False,
+                icp_iterations=0,
+                smoothing_sweeps=0,
+            )
     except FilterError as error:
         raise InputError(str(error)) from error
     return root

@@ -134,7 +134,19 @@ class SpherePropagationError(Exception):
 
 
 class SpherePropagationWarning(UserWarning):
-    """A result that deserves a look."""
+    """A result that deserves a look, in the filter's own words.
+
+    layer: the surface that it is about, whose name the text begins with; empty where it is about
+    the result as a whole. message: what the filters' catalogue calls it, as "anotherPose"; empty
+    where it is none of theirs. kind: "Warning", or "Note" for advice (see warnings_of).
+    """
+
+    def __init__(self, text: str, layer: str = "", message: str = "", kind: str = "Warning"):
+        super().__init__(text)
+        self.layer, self.message, self.kind = layer, message, kind
+
+    def __reduce__(self):
+        return type(self), (str(self), self.layer, self.message, self.kind)
 
 
 class PluginError(SpherePropagationError, ImportError):

@@ -183,12 +183,6 @@ def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> No
     thin = figures["thin"] > 0
     kept = figures["label_volume"] * (1 - figures["dropped_share"])
     loss = 1 - figures["volume"] / kept
-    worst_and_warn(
-        100 * loss,
-        thin,
-        "% of the label's volume are missing in the surface: choose a smaller smoothing, or a "
-        "smaller voxel_size",
-    )
     comparable = ~thin & (figures["interpolated_slices"] == 0)
     worst_and_warn(
         100 * np.abs(loss),
@@ -263,8 +257,8 @@ def propagate(
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with
     any number.
 
-    Warns (SpherePropagationWarning) of a surface that lies far off what was brought onto it, and of
-    parents in another order than Given.
+    Warns (SpherePropagationWarning) of surfaces that deserve a look: that lie far off what was
+    brought onto them, in another pose, mirrored, of another size, or that the fit lost.
     """
     surfaces = as_surfaces(surfaces)
     root_map = as_map(root_map)
@@ -275,8 +269,6 @@ def propagate(
         )
     if not isinstance(parents, str):
         parents = ", ".join(map(str, whole_numbers("parents", parents)))
-    if parents and order != "Given":
-        warn(f'parents is not looked at in the order {order!r}: it belongs to "Given".')
     meshes = layers.mesh_set(surfaces, {root_layer: root_map})
     figures = layers.apply(
         meshes,
@@ -299,7 +291,6 @@ def propagate(
             "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, "
             "lies on the unit sphere, or is called like a layer of a shape model.",
         )
-    _warn_of_distant_layers(surfaces, figures)
     maps = [
         layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
         for i in range(len(surfaces))
@@ -313,16 +304,6 @@ def propagate(
         for i, surface in enumerate(surfaces)
     ]
     return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
-
-
-def _warn_of_distant_layers(surfaces: Sequence[Surface], figures: Figures) -> None:
-    """As the filter does in its log, which Python does not get."""
-    for surface, residual, distant in zip(surfaces, figures["residual_mean"], figures["distant"]):
-        if distant:
-            warn(
-                f"{surface.name} lies {residual / surface.mean_edge_length:.1f} edge lengths off "
-                "what was brought onto it, on average: it may be another shape or in another unit."
-            )
 
 
 def remesh(

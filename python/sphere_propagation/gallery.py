@@ -70,7 +70,7 @@ def show(
             path = results.write(name, partial(drawing.draw, section))
             made.append(page.Picture(path, drawing.caption(section), drawing.narrow(section)))
             steps.done(f"{name}: {drawing.what}")
-        tables = [page.summary_table(section.runs)]
+        tables = [page.summary_table(section.runs), *page.warning_tables(section.runs)]
         if MODEL in section.kinds:
             tables.append(page.model_table(section.model))
         tables += [page.layer_table(run) for run in section.runs]

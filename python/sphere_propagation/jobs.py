@@ -10,9 +10,9 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
-from . import files, filters, gallery, pictures, plugin, projects, report
+from . import attention, files, filters, gallery, pictures, plugin, projects, report
 from .correspondence import Correspondence, checked, correspond_by
-from .errors import FilterError, InputError
+from .errors import FilterError, InputError, SpherePropagationWarning
 from .gallery import Section
 from .model import ShapeModel
 from .nifti import write_nifti
@@ -71,6 +71,19 @@ def run_meshes(
         checked(choices.parameters, len(paths))
     name = name or _name_of(meshes, paths)
     steps = progress(len(MESH_STEPS) + _picture_count(choices, [{gallery.MODEL}]))
+    with attention.collected() as said:
+        return _run_files(paths, folder, name, choices, steps, said)
+
+
+def _run_files(
+    paths: Sequence[Path],
+    folder,
+    name: str,
+    choices: Choices,
+    steps: Lines,
+    said: Sequence[SpherePropagationWarning],
+) -> List[report.Run]:
+    """said: what was warned of since the run began, which grows."""
     surfaces, phases = [], None
     for path in paths:
         steps.begin(f"reading {path.name}")
@@ -103,7 +116,7 @@ def run_meshes(
     row = Row(name, result, unit="mm" if labels else None, phases=phases)
     _write_layers(results, name, row, steps)
     model = _build_model(results, name, result, steps)
-    runs = [report.Run(name, result)]
+    runs = [report.Run(name, result, warnings=list(said))]
     text = (
         f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of "
         f"them. Method {result.method}, order {result.order}, root {surfaces[result.root].name}."
@@ -178,10 +191,13 @@ def run_phantom(
             f"{name}: worst error "
             + ", ".join(f"{method.lower()} {e.max():.2f} mm" for method, e in errors[-1].items())
         )
-        runs += [report.Run(name, result, errors[-1][method]) for method, result in found.items()]
         rows.append(Row(part, found["Robust"], unit="mm", up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
-        _build_model(results, name, found["Robust"], steps)
+        with attention.collected() as of_model:
+            _build_model(results, name, found["Robust"], steps)
+        for method, result in found.items():
+            said = [*result.warnings, *(of_model if method == "Robust" else ())]
+            runs.append(report.Run(name, result, errors[-1][method], said))
     sections.append(
         Section(
             rows,
@@ -220,6 +236,20 @@ def _scan_section(
 ) -> Section:
     """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
     name = "scan"
+    with attention.collected() as said:
+        return _scanned(name, results, phantom, fine, parameters, volume, steps, said)
+
+
+def _scanned(
+    name: str,
+    results: ResultFolder,
+    phantom: Ventricle,
+    fine: Sequence[Surface],
+    parameters: CorrespondenceParameters,
+    volume: Mapping[str, Any],
+    steps: Lines,
+    said: Sequence[SpherePropagationWarning],
+) -> Section:
     steps.begin(f"{name}: labelling slices")
     labels, affine = phantom.scan()
     path = results.write(
@@ -244,7 +274,7 @@ def _scan_section(
     whole = str(volume.get("labels", "1")) == "1"
     return Section(
         [row],
-        [report.Run(name, result)],
+        [report.Run(name, result, warnings=list(said))],
         "From a label volume to a shape model",
         f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. "
         "What comes out: a closed surface per phase, landmarks that correspond, and the "
@@ -313,6 +343,7 @@ def _finish(
     own."""
     runs = [run for section in sections for run in section.runs]
     results.write("figures.csv", lambda path: report.write_csv(path, runs))
+    results.write("warnings.csv", lambda path: report.write_warnings(path, runs))
     missing = pictures.what_is_missing() if choices.pictures else ""
     if missing:
         steps.note(f"no pictures: {missing}")

@@ -8,7 +8,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence
 
 import numpy as np
 
-from . import plugin
+from . import attention, plugin
 from .errors import FilterError, InputError
 from .sphere_map import SphereMap
 from .surface import Surface, distinct_names
@@ -61,10 +61,10 @@ def keep(meshes) -> None:
 
 def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
     """Runs a filter, when those of other threads are done; what it refuses comes as a FilterError
-    with the filter's own words."""
+    with the filter's own words, what it warns of as a SpherePropagationWarning."""
     try:
         with turn(name):
-            return meshes.apply_filter(name, **parameters) or {}
+            returned = meshes.apply_filter(name, **parameters) or {}
     except RuntimeError as error:
         # pybind11 could not convert a value: it names neither the parameter nor the type.
         keep(meshes)
@@ -76,6 +76,8 @@ def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
             raise
         text = re.sub(r"^\s*Failed to apply filter:[^\n]*\n?(Details:)?\s*", "", str(error)).strip()
         raise FilterError(name, text or str(error)) from error
+    attention.pass_on(returned)
+    return returned
 
 
 def row(figures: Mapping[str, np.ndarray], i: int, names: Sequence[str]) -> Dict[str, float]:

@@ -44,6 +44,7 @@ th, td {
 }
 th { color: #5b6570; font-weight: 600; }
 td.words, th.words { text-align: left; }
+td.words:last-child { white-space: normal; }
 details { margin: 12px 0; }
 summary { cursor: pointer; font-weight: 600; }
 footer { margin-top: 56px; font-size: 14px; }
@@ -97,6 +98,15 @@ def summary_table(runs: Sequence[report.Run]) -> Table:
     """One row per run."""
     header, *rows = report.summary_rows(runs)
     return Table("Figures of the runs", header, rows, words=report.TEXTS)
+
+
+def warning_tables(runs: Sequence[report.Run]) -> List[Table]:
+    """What deserves a look, a row each; no table where there is nothing."""
+    rows = [
+        [data, method, layer, text] for data, method, layer, _, text in report.warning_rows(runs)
+    ]
+    header = ["data", "method", "layer", "what the filters say"]
+    return [Table("What deserves a look", header, rows, words=len(header))] if rows else []
 
 
 def layer_table(run: report.Run) -> Table:

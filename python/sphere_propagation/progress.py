@@ -48,6 +48,10 @@ class Lines(Silent):
     def note(self, text: str) -> None:
         self._print(f"          {text}")
 
+    def warning(self, text: str) -> None:
+        """Something that deserves a look, whose line goes to stderr."""
+        print(f"warning: {text}", file=sys.stderr, flush=True)
+
     def seconds(self) -> float:
         return time.monotonic() - self.start
 
@@ -88,6 +92,12 @@ class Bar(Lines):
         with self.lock:
             self.stream.write(f"\r\033[K{line}\n")
             self.stream.flush()
+
+    def warning(self, text: str) -> None:
+        with self.lock:  # the line takes the bar's place, which is drawn again below it
+            self.stream.write("\r\033[K")
+            self.stream.flush()
+            super().warning(text)
 
     def _tick(self) -> None:
         while not self.closed.wait(0.5):

@@ -9,6 +9,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from .correspondence import Correspondence
+from .errors import SpherePropagationWarning
 from .model import ShapeModel
 
 COLUMNS = (
@@ -32,17 +33,20 @@ COLUMNS = (
     "seconds",
     "remeshing_seconds",
     "error_mm",
+    "warnings",
 )
 COUNTS = ("parent", "route", "flipped_faces", "repaired_faces")
 TEXTS = 2  # columns of the summary that are words: data and method
 
 
 class Run(NamedTuple):
-    """One method on one sequence, and its error per layer where the truth is known."""
+    """One method on one sequence, its error per layer where the truth is known, and what deserves a
+    look."""
 
     data: str
     result: Correspondence
     errors: Optional[np.ndarray] = None
+    warnings: Sequence[SpherePropagationWarning] = ()
 
 
 def rows(run: Run) -> List[Dict[str, object]]:
@@ -57,6 +61,7 @@ def rows(run: Run) -> List[Dict[str, object]]:
             "vertices": len(surface.vertices),
             "faces": len(surface.faces),
             "error_mm": "" if run.errors is None else f"{run.errors[i]:.4f}",
+            "warnings": " ".join(w.message for w in run.warnings if w.layer == surface.name),
         }
         for name, values in run.result.figures.items():
             row[name] = int(values[i]) if name in COUNTS else f"{values[i]:.6g}"
@@ -70,6 +75,30 @@ def write_csv(path, runs: Sequence[Run]) -> None:
         writer.writeheader()
         for run in runs:
             writer.writerows(rows(run))
+
+
+def warning_rows(runs: Sequence[Run]) -> List[List[str]]:
+    """One row per warning: data, method, layer (empty where it is about the result as a whole), its
+    name, what it says of the layer."""
+    return [
+        [
+            run.data,
+            run.result.method,
+            warning.layer,
+            warning.message,
+            str(warning)[len(warning.layer) + 2 if warning.layer else 0 :],
+        ]
+        for run in runs
+        for warning in run.warnings
+    ]
+
+
+def write_warnings(path, runs: Sequence[Run]) -> None:
+    """The header alone where there are none."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["data", "method", "layer", "message", "text"])
+        writer.writerows(warning_rows(runs))
 
 
 def write_scores(path, model: ShapeModel) -> None:
@@ -115,7 +144,7 @@ def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
     if known:
         header += ["worst error", "mean error"]
     lines = [header]
-    for data, result, errors in runs:
+    for data, result, errors, _ in runs:
         figures = result.figures
         line = [
             data,

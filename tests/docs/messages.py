@@ -4,11 +4,11 @@ varies.
 
     python messages.py     lists them: file, words
 
-The errors of vcg_ext come from its own catalogue, sentence by sentence (`faults`). What filters say
-is written in pieces, as `"Layer \\"" + name + "\\": it is empty."`, and a piece that says something
-(three words or more) must be on the page docs/errors.md: in C++ every string of a filter that is no
-description of a parameter or of a filter, in Python and in the scripts what goes into errors and
-warnings.
+The errors of vcg_ext come from its own catalogue, sentence by sentence (`faults`), and so does what
+host/ says (`said_by`). What filters say beside their catalogues is written in pieces, as
+`"Layer \\"" + name + "\\": it is empty."`, and a piece that says something (three words or more)
+must be on the page docs/errors.md: in C++ every string of a filter that is no description of a
+parameter or of a filter, in Python and in the scripts what goes into errors and warnings.
 """
 
 import ast
@@ -38,7 +38,7 @@ def catalogue():
 
 def said_by(plugin):
     """What the filters of a plugin, and of the one that reads label volumes beside it, say, as far
-    as it is in their catalogues (messages.def)."""
+    as it is in the catalogues (messages.def): theirs and that of host/."""
     files = [plugin, plugin.with_name("libfilter_label_volume.so")]
     said = [_library().plugin_messages(str(file).encode()).decode() for file in files]
     return "\n".join(said).splitlines()
@@ -166,9 +166,9 @@ def in_shell(code: str) -> Iterator[str]:
 def messages() -> List[Tuple[str, str]]:
     """All pieces of all messages: list of (file, words)."""
     found = []
-    for folder in [PROJECT / "host", *sorted(PROJECT.glob("filter_*"))]:
+    for folder in sorted(PROJECT.glob("filter_*")):
         for path in sorted(folder.rglob("*")):
-            if path.suffix in (".h", ".cpp") and path.name != "remedies.cpp":
+            if path.suffix in (".h", ".cpp"):
                 found += [(path, text) for text in in_cpp(path.read_text())]
     for path in sorted((PROJECT / "python").rglob("*.py")):
         found += [(path, text) for text in in_python(path.read_text())]

@@ -49,7 +49,8 @@ writes this page, and a test compares it with them. The first filter is that of
 `libfilter_label_volume.so`, all others are those of `libfilter_sphere_propagation.so`. A parameter
 that is not given has its default. In Python, a choice is given by its text, a layer by its number.
 The [tutorial](tutorial.md) says how they work together, [When something goes wrong](errors.md) what
-their messages mean.
+their messages mean. Every filter also returns `warnings`, where something deserves a look: [how to
+read it](hosts.md#warnings).
 
 | menu entry | in Python | menus |
 | --- | --- | --- |
@@ -127,6 +128,8 @@ def paragraphs(element):
     ):
         if paragraph.startswith("Returned"):
             returns.append(returned(paragraph))
+        elif "<b>warnings</b>" in paragraph:
+            continue  # said once, on top of the page
         elif '</i><br><b>"' in paragraph:
             cites.append(references(paragraph))
         else:

@@ -3,6 +3,7 @@
 
 import base64
 import csv
+import html
 import io
 import re
 import signal
@@ -269,7 +270,14 @@ def test_warnings_are_lines(cycle, heart, tmp_path, capsys):
     write(heart, [sp.Surface(big.vertices * 10, big.faces, big.name)])
     assert run("run", heart, "-o", tmp_path / "out", "--root", 0, "--no-pictures") == 0
     said = capsys.readouterr()
-    assert re.search(rf"^ +warning: {big.name} lies \d", said.out, re.M) and not said.err
+    lines = said.err.splitlines()
+    assert lines and all(line.startswith(f"warning: {big.name}: ") for line in lines)
+    assert "warning: " not in said.out
+    with open(tmp_path / "out/warnings.csv", newline="") as file:
+        listed = list(csv.DictReader(file))
+    assert [f"warning: {row['layer']}: {row['text']}" for row in listed] == lines
+    page = (tmp_path / "out/report.html").read_text()
+    assert all(html.escape(row["text"]) in page for row in listed)
 
 
 def refusal(capsys, *arguments, code=1):

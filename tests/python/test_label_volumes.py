@@ -101,8 +101,8 @@ def test_a_thin_label_that_loses_much_is_warned_of(tmp_path):
     (tmp_path / "plate.nii").write_bytes(volume_files.nifti(labels))
     with pytest.warns(
         sp.SpherePropagationWarning,
-        match=r"plate label 1: [\d.]+ % of the label's volume are missing in the surface: choose a "
-        "smaller smoothing, or a smaller voxel_size",
+        match=r"plate label 1: the surface encloses \d+ % less than the label's voxels\. The "
+        "label is thin for so much smoothing",
     ):
         figures = sp.read_label_volume(tmp_path / "plate.nii", smoothing=2).figures
     assert figures["volume"][0] < 0.9 * figures["label_volume"][0] and figures["thin"][0] == 1
