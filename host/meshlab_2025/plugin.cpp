@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "host/meshlab_2025/plugin.h"
 
+#include <langinfo.h>
+
 #include <QAction>
+#include <QTextCodec>
+#include <cstring>
 #include <utility>
 
 #include "host/messages.h"
@@ -16,11 +20,21 @@ std::map<std::string, QVariant> toVariants(const Outputs& outputs) {
   return variants;
 }
 
+/// In the locale C, as of many servers, Qt turns every letter beyond ASCII in a file's name into a
+/// question mark, and MeshLab finds no such file. UTF-8 is what Python uses there, and what holds
+/// ASCII unchanged.
+void openNamesBeyondAscii() {
+  if (std::strcmp(nl_langinfo(CODESET), "ANSI_X3.4-1968") == 0)
+    if (QTextCodec* const utf8 = QTextCodec::codecForName("UTF-8"))
+      QTextCodec::setCodecForLocale(utf8);
+}
+
 }  // namespace
 
 Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
                const std::vector<Message>& ownMessages)
     : name_(name), filters_(std::move(filters)) {
+  openNamesBeyondAscii();
   QStringList lines;
   for (const Message& message : messages::all) lines << qt(outline(message));
   for (const Message& message : ownMessages) lines << qt(outline(message));

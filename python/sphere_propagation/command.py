@@ -200,7 +200,7 @@ def parser() -> argparse.ArgumentParser:
         nargs="+",
         metavar="FILE",
         help="meshes (ply, stl, obj, off), label volumes of one or more phases "
-        "(nii, nii.gz, nrrd, nhdr, mha, mhd), or folders of them, in natural order",
+        "(nii, nii.gz, hdr with img, nrrd, nhdr, mha, mhd), or folders of them, in natural order",
     )
     run.add_argument(
         "-o",

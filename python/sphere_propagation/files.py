@@ -17,7 +17,9 @@ from .surface import Surface
 from .turns import turn
 
 SUFFIXES = (".ply", ".stl", ".obj", ".off")
-VOLUME_SUFFIXES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
+VOLUME_SUFFIXES = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz", ".nrrd", ".nhdr")
+VOLUME_SUFFIXES += (".mha", ".mhd")
+APPLE_DOUBLE = b"\0\5\x16\7"  # how macOS's files begin
 
 
 def mesh_files(*paths) -> List[Path]:
@@ -42,19 +44,43 @@ def is_label_volume(path) -> bool:
 def stem_of(path) -> str:
     """A file's name without its suffix; .nii.gz is one."""
     path = Path(path)
-    return path.name[: -len(".nii.gz")] if path.name.lower().endswith(".nii.gz") else path.stem
+    packed = path.name.lower().endswith((".nii.gz", ".hdr.gz", ".img.gz"))
+    return path.name[: -len(".nii.gz")] if packed else path.stem
+
+
+def _inputs(files: List[Path]) -> List[Path]:
+    """Without what macOS keeps beside files on foreign disks (._name), and without the voxels of a
+    pair (.img), which its header (.hdr) stands for."""
+
+    def of_macos(path: Path) -> bool:
+        if not path.name.startswith("._") or not path.is_file():
+            return False
+        with open(path, "rb") as file:
+            return file.read(4) == APPLE_DOUBLE
+
+    def ends(path: Path, *suffixes: str) -> bool:
+        return path.name.lower().endswith(suffixes)
+
+    headers = {path.with_name(stem_of(path)) for path in files if ends(path, ".hdr", ".hdr.gz")}
+    return [
+        path
+        for path in files
+        if not of_macos(path)
+        and not (ends(path, ".img", ".img.gz") and path.with_name(stem_of(path)) in headers)
+    ]
 
 
 def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     """kinds: suffixes; a folder stands for the first kind that it has."""
     found: List[Path] = []
     given = [Path(path) for path in paths]
+    given = _inputs(given) or given
     if len({re.sub(r"\d+", "#", str(path)) for path in given}) == 1:
         given.sort(key=lambda path: _natural(str(path)))
     for path in given:
         if path.is_dir():
             files = sorted(
-                (file for file in path.iterdir() if file.is_file()),
+                _inputs([file for file in path.iterdir() if file.is_file()]),
                 key=lambda file: _natural(file.name),
             )
             inside = [

@@ -253,3 +253,51 @@ def test_a_missing_library_of_itk_is_named(run_python, tmp_path):
         "Missing on this system: libITKIOBeta-" in found.stdout
         and "apt-get install libinsighttoolkit" in found.stdout
     )
+
+
+def test_what_macos_keeps_beside_files_is_no_input(tmp_path):
+    double = b"\0\5\x16\7" + bytes(100)
+    for number in (1, 2):
+        (tmp_path / f"{number}.nii").write_bytes(volume_files.nifti(volume_files.egg()))
+        (tmp_path / f"._{number}.nii").write_bytes(double)
+    ours = [tmp_path / "1.nii", tmp_path / "2.nii"]
+    assert files.input_files(tmp_path) == files.input_files(*tmp_path.glob("*.nii")) == ours
+    with pytest.raises(sp.FilterError, match='choose "1.nii"'):
+        sp.read_label_volume(tmp_path / "._1.nii")
+
+
+@pytest.mark.parametrize("packed", ["", ".gz"])
+def test_a_pair_is_one_input(tmp_path, packed):
+    for number in (1, 2):
+        header, voxels = volume_files.nifti_pair(volume_files.egg())
+        (tmp_path / f"{number}.hdr").write_bytes(header)
+        (tmp_path / f"{number}.img{packed}").write_bytes(
+            gzip.compress(voxels) if packed else voxels
+        )
+    headers = [tmp_path / "1.hdr", tmp_path / "2.hdr"]
+    assert files.input_files(tmp_path) == files.input_files(*tmp_path.iterdir()) == headers
+    voxels = tmp_path / f"1.img{packed}"
+    assert files.input_files(voxels) == [voxels] and files.stem_of(voxels) == "1"
+    assert [s.name for s in sp.read_label_volume(voxels).surfaces] == ["1 label 1"]
+
+
+@pytest.mark.parametrize("locale", ["C", "POSIX", "C.UTF-8"])
+def test_names_beyond_ascii_in_every_locale(run_python, tmp_path, locale):
+    folder = tmp_path / "h\u00e9rz \u6587"
+    folder.mkdir()
+    for name, write in (("nii", volume_files.nifti), ("nrrd", volume_files.nrrd)):
+        (folder / f"\u00fc.{name}").write_bytes(write(volume_files.egg()))
+    found = run_python(
+        "import sys, pathlib\n"
+        "import sphere_propagation as sp\n"
+        "folder = pathlib.Path(sys.argv[1])\n"
+        "for name in ('\\u00fc.nii', '\\u00fc.nrrd'):\n"
+        "    surface = sp.read_label_volume(folder / name).surfaces[0]\n"
+        "    sp.write_ply(folder / '\\u00e9.ply', surface.vertices, surface.faces)\n"
+        "    print(ascii(surface.name), ascii(sp.read_mesh(folder / '\\u00e9.ply').name))\n"
+        "try: sp.read_label_volume(folder / '\\u00e9.nii')\n"
+        "except sp.FilterError as error: print(str(folder) in str(error))",
+        str(folder),
+        LC_ALL=locale,
+    )
+    assert found.stdout.splitlines() == ["'\\xfc label 1' '\\xe9'"] * 2 + ["True"], found.stderr
