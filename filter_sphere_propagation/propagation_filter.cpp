@@ -22,9 +22,6 @@
 namespace sphere_propagation {
 namespace {
 
-/// Layers whose sizes differ more than this are named in the log.
-constexpr double differentSize = 3;
-
 constexpr host::Named<PropagationMethod> methods[]{
     {"Robust", PropagationMethod::Robust}, {"As published", PropagationMethod::AsPublished}};
 
@@ -222,18 +219,33 @@ class PropagationFilter : public host::Filter {
 
   /// What the user should know about how a layer got its map; usually nothing.
   static void warn(const host::Task& task, const host::Layer& layer, const MeshSurface& mesh,
-                   const PropagatedLayer& propagated) {
+                   const PropagatedLayer& propagated, size_t layers) {
     if (propagated.route == Route::Alignment) task.sayOf(layer, messages::fitLostLayer);
     if (propagated.route == Route::Published) task.sayOf(layer, messages::alignmentLostLayer);
     if (propagated.pose.moved)
       task.sayOf(layer, messages::anotherPose, propagated.pose.shift, propagated.pose.angle);
     if (propagated.pose.mirrored) task.sayOf(layer, messages::mirrorImage);
-    const double size = propagated.relativeSize;
-    if (size > differentSize || size < 1 / differentSize)
-      task.sayOf(layer, messages::anotherSize, size > 1 ? size : 1 / size,
-                 size > 1 ? "larger" : "smaller");
+    if (propagated.size.standsOut) warnOfSize(task, layer, propagated.size, layers == 2);
     const double edges = residualInEdges(mesh, propagated);
-    if (edges > maxEdgesApart) task.sayOf(layer, messages::farOff, edges);
+    if (edges > maxEdgesApart || propagated.residualStandsOut)
+      task.sayOf(layer, messages::farOff, edges);
+  }
+
+  static void warnOfSize(const host::Task& task, const host::Layer& layer, const LayerSize& size,
+                         bool ofTwo) {
+    const bool larger = size.relative > 1;
+    const double factor = larger ? size.relative : 1 / size.relative;
+    const char* kind = larger ? "larger" : "smaller";
+    if (size.units == 0) {
+      task.sayOf(layer, ofTwo ? messages::anotherSizeThanRoot : messages::anotherSize, factor,
+                 kind);
+      return;
+    }
+    // The larger numbers are those of the smaller unit.
+    const char* small = size.units == 100 ? "cm" : "mm";
+    const char* large = size.units == 10 ? "cm" : size.units == 25.4 ? "inches" : "m";
+    task.sayOf(layer, ofTwo ? messages::anotherUnitThanRoot : messages::anotherUnit, factor, kind,
+               larger ? small : large, larger ? large : small);
   }
 
   /// The current layer if it has a map, else the first surface layer that has one, else the current
@@ -329,7 +341,7 @@ class PropagationFilter : public host::Filter {
                                     layer.transferred.distances.data(),
                                     static_cast<Eigen::Index>(layer.transferred.distances.size())));
       task.log(line);
-      warn(task, participants.layers[i], participants.meshes[i], layer);
+      warn(task, participants.layers[i], participants.meshes[i], layer, count);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
     if (task.values.flag("residual_quality"))

@@ -27,6 +27,18 @@ Eigen::Matrix3d turnAbout(const Vector3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }
 
+/// Hills and hollows, as deep as this share of the radius.
+ClosedSurface wavy(const ClosedSurface& surface, double height) {
+  Points points = surface.vertices();
+  const Eigen::RowVector3d centre = points.colwise().mean();
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    const Eigen::RowVector3d d = (points.row(v) - centre).normalized();
+    const double wave = std::sin(7 * d[0]) * std::sin(7 * d[1]) + std::sin(7 * d[2]);
+    points.row(v) = centre + (1 + height * wave) * (points.row(v) - centre);
+  }
+  return surface.withVertices(points);
+}
+
 /// An ellipsoid that grows thinner, on meshes that have nothing to do with each other.
 struct Phases {
   std::vector<ClosedSurface> surfaces;
@@ -153,15 +165,17 @@ TEST(Propagation, FindsALayerInAnotherPose) {
 }
 
 TEST(Propagation, GoesArcByArcWhereTheMotionIsLost) {
-  // The second layer is ten times as large: no fit of neighbours in time follows that.
+  // The second layer is all spikes: no fit of neighbours in time follows that.
   const Phases sequence(3);
   const MappedSurface root = sequence.map(0);
-  const std::vector<ClosedSurface> surfaces =
-      sequence.withSecondMoved(Eigen::Matrix3d::Identity(), 10, Vector3::Zero());
+  std::vector<ClosedSurface> surfaces = sequence.surfaces;
+  Mesh fine = test::icosphereMesh(24);  // whose edges are short
+  fine.vertices *= Vector3(30, 19, 14.5).asDiagonal();
+  surfaces[1] = wavy(
+      surfaceOf(test::transformed(fine, Eigen::Matrix3d::Identity(), 1, Vector3(5, 1, 0))), 0.35);
   const PropagationTree tree = timeOrder(3, 0);
   const std::vector<PropagatedLayer> layers = propagate(surfaces, root, tree).layers;
   ASSERT_FALSE(layers[1].pose.moved);
-  EXPECT_NEAR(layers[1].relativeSize, 10, 1);
   ASSERT_FALSE(followMotion(surfaces, root, tree, pool).layers[1]);
   const TransferredMap arc = propagateAligned(root, surfaces[1]);
   EXPECT_EQ(layers[1].route, Route::Alignment);
@@ -305,8 +319,52 @@ TEST(Propagation, RefusesLayersInDifferentUnits) {
   }
   const std::vector<PropagatedLayer> layers =
       propagate(sequence.surfaces, root, timeOrder(3, 0)).layers;
-  EXPECT_EQ(layers[0].relativeSize, 1);
-  EXPECT_LT(layers[1].relativeSize, 1.5);
+  EXPECT_FALSE(layers[0].size.standsOut);
+  EXPECT_LT(layers[1].size.relative, 1.5);
+}
+
+TEST(Propagation, ALayerInAnotherUnitGetsTheMapThatItWouldHave) {
+  const Phases sequence(5);
+  for (const double scale : {0.1, 1 / 25.4, 3.0, 10.0})
+    for (const int odd : {0, 2}) {
+      std::vector<ClosedSurface> surfaces = sequence.surfaces;
+      const auto k = static_cast<size_t>(odd);
+      surfaces[k] = surfaces[k].withVertices(scale * surfaces[k].vertices());
+      const MappedSurface root(surfaces[0], sequence.map(0).positions());
+      const std::vector<PropagatedLayer>
+          layers = propagate(surfaces, root, timeOrder(5, 0)).layers,
+          plain = propagate(sequence.surfaces, sequence.map(0), timeOrder(5, 0)).layers;
+      for (size_t i = 0; i < 5; ++i) {
+        EXPECT_EQ(layers[i].size.standsOut, i == k) << scale << " " << i;
+        EXPECT_FALSE(layers[i].residualStandsOut);
+        EXPECT_EQ(layers[i].route, Route::Method);
+        EXPECT_LT(
+            (layers[i].map().positions() - plain[i].map().positions()).rowwise().norm().mean(),
+            scale == 3 ? 0.1 : 1e-3)
+            << scale << " " << i;
+        const double unit = i == k ? scale : 1;
+        if (scale != 3) {
+          EXPECT_NEAR(layers[i].transferred.residual.mean / unit,
+                      plain[i].transferred.residual.mean, 1e-3);
+        }
+      }
+    }
+}
+
+TEST(Propagation, AResidualStandsOutAgainstTheOthers) {
+  const Phases sequence(6);
+  std::vector<PropagatedLayer> layers =
+      propagate(sequence.surfaces, sequence.map(0), timeOrder(6, 0)).layers;
+  const auto found = [&](const std::vector<double>& edges) {
+    for (size_t i = 0; i < 6; ++i)
+      layers[i].transferred.residual.mean =
+          edges[i] * PreparedSurface(sequence.surfaces[i]).meanEdge();
+    return residualsThatStandOut(sequence.surfaces, layers);
+  };
+  EXPECT_EQ(found({0, 0.1, 0.12, 0.15, 0.1, 0.11}), std::vector<char>(6, 0));
+  EXPECT_EQ(found({0, 0.1, 0.12, 0.9, 0.1, 0.11}), (std::vector<char>{0, 0, 0, 1, 0, 0}));
+  EXPECT_EQ(found({0, 0.1, 0.12, 0.45, 0.1, 0.11}), std::vector<char>(6, 0));  // on its surface
+  EXPECT_EQ(found({0, 0.3, 0.6, 0.9, 0.2, 0.4}), std::vector<char>(6, 0));     // no two are alike
 }
 
 TEST(Propagation, IsTheSameWithAnyNumberOfThreads) {

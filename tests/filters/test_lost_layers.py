@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Layers that the motion fit loses: valid maps all the same, and a word about them in the log."""
 
+import re
 import subprocess
 import sys
 
@@ -21,6 +22,15 @@ ms.set_current_mesh(1)
 ms.apply_filter("compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True)
 ms.set_current_mesh(0)
 """
+# What the fit cannot follow: the muscle among blood pools.
+LOST = f"""
+import pymeshlab
+pymeshlab.load_plugin({str(PLUGIN)!r})
+ms = pymeshlab.MeshSet(verbose=True)
+ms.apply_filter("create_ventricle_phantom", phases=2, voxel_size=3)
+ms.apply_filter("create_ventricle_phantom", phases=1, voxel_size=3, part="Wall")
+ms.set_current_mesh(0)
+"""
 
 
 def log_of(script, before=SCRIPT):
@@ -31,17 +41,38 @@ def log_of(script, before=SCRIPT):
 
 
 def test_the_log_says_which_layer_was_lost():
-    log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})")
-    assert "Warning: phantom cavity 01: the motion fit lost it" in log
-    assert "Warning: phantom cavity 00" not in log
+    log = log_of(f"ms.apply_filter({ROOT!r}); ms.apply_filter({PROPAGATE!r})", LOST)
+    assert "Warning: phantom wall 00: the motion fit lost it" in log
+    assert "Warning: phantom cavity 0" not in log
+
+
+@pytest.mark.parametrize("method", ["Robust", "As published"])
+@pytest.mark.parametrize("order", ["Time", "Star", "Similarity tree"])
+def test_the_log_names_a_layer_in_another_unit_alone(order, method):
+    for script, phase, kind in (
+        (SCRIPT.replace("axisx=20", "axisx=5"), 1, "larger"),
+        (SCRIPT.replace("axisx=20", "axisx=0.1"), 1, "smaller"),
+        (SCRIPT.replace("axisx=20", "axisx=4").replace("mesh(1)", "mesh(0)"), 0, "larger"),
+    ):
+        log = log_of(
+            f"ms.apply_filter({ROOT!r})\n"
+            f"ms.apply_filter({PROPAGATE!r}, order={order!r}, method={method!r})",
+            script,
+        )
+        assert re.search(rf"Warning: phantom cavity 0{phase}: it is [\d.]+ times {kind}", log)
+        assert log.count("times larger") + log.count("times smaller") == 1
+        assert ("(cm among mm?)" in log) == ("0.1" in script)
+        if method == "Robust":
+            assert log.count("Warning:") == 1
 
 
 def test_the_route_says_how_each_layer_got_its_map():
     log = log_of(
         f"ms.apply_filter({ROOT!r}); print('route', "
-        f"ms.apply_filter({PROPAGATE!r})['route'].tolist())"
+        f"ms.apply_filter({PROPAGATE!r})['route'].tolist())",
+        LOST,
     )
-    assert "route [0.0, 1.0, " in log
+    assert "route [0.0, 0.0, 1.0]" in log
 
 
 def test_the_log_names_a_layer_in_another_pose():

@@ -89,11 +89,15 @@ def test_a_root_that_is_a_unit_sphere():
     assert said(ms.apply_filter(ROOT)) == [("unit", "rootOnUnitSphere")]
 
 
-def test_a_layer_in_another_unit_and_one_that_the_fit_lost():
-    ms = changed(small_cycle(3), 2, lambda v: v * 5)
-    found = said(ms.apply_filter(PROPAGATE))
-    assert ("phantom cavity 02", "anotherSize") in found
-    assert ("phantom cavity 02", "fitLostLayer") in found
+def test_a_layer_of_another_size_and_one_in_another_unit():
+    for factor, message in ((5, "anotherSize"), (10, "anotherUnit"), (0.1, "anotherUnit")):
+        ms = changed(small_cycle(3), 2, lambda v, factor=factor: v * factor)
+        found = said(ms.apply_filter(PROPAGATE))
+        assert [one for one in found if one[0]] == [("phantom cavity 02", message)]
+    for factor, message in ((5, "anotherSizeThanRoot"), (0.1, "anotherUnitThanRoot")):
+        ms = changed(small_cycle(2), 1, lambda v, factor=factor: v * factor)
+        found = said(ms.apply_filter(PROPAGATE))
+        assert [one for one in found if one[0]] == [("phantom cavity 01", message)]
 
 
 def test_a_layer_that_is_reflected():

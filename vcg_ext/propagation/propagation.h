@@ -35,6 +35,12 @@ struct PropagationParameters {
 /// Throws ParameterError where a parameter is out of range, whatever the layers.
 void requireValid(const PropagationParameters& parameters);
 
+/// The layers that lie much farther off what was brought onto them than the others do, as another
+/// shape does: by a factor of 3 and 6 standard deviations of the logarithm (both from the median of
+/// at least three), residuals counted in radii, and by more than half an edge. One entry per layer.
+std::vector<char> residualsThatStandOut(const Sequence& sequence,
+                                        const std::vector<PropagatedLayer>& layers);
+
 /// sequence: the layers, in the order of the tree's numbers; root: the surface of the tree's root,
 /// with its map; tree: one entry per layer, of any of the orders in propagation_order.h. Throws
 /// ParameterError when the arguments do not fit together or a parameter is out of range, and what

@@ -16,12 +16,13 @@ namespace {
 constexpr double followingShare = 0.95;
 
 void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
-  const std::vector<double> sizes = relativeSizes(sequence, tree);
   for (int i = 0; i < sequence.size(); ++i) {
-    const double ratio = sizes[static_cast<size_t>(i)];
+    const int parent = tree.parent[static_cast<size_t>(i)];
+    if (parent < 0) continue;
+    const double ratio = sequence[i].radius() / sequence[parent].radius();
     if (ratio < maxRelativeSize && ratio > 1 / maxRelativeSize) continue;
     throw ParameterError(Finding(Fault::DifferentUnits, sequence.name(i))
-                             .against(sequence.name(tree.parent[static_cast<size_t>(i)]))
+                             .against(sequence.name(parent))
                              .saying(ratio > 1 ? "larger" : "smaller")
                              .at(ratio > 1 ? ratio : 1 / ratio, 0, maxRelativeSize));
   }
@@ -42,21 +43,12 @@ PropagatedLayer fromParent(const MappedSurface& parent, const ClosedSurface& tar
 
 }  // namespace
 
-std::vector<double> relativeSizes(const Sequence& sequence, const PropagationTree& tree) {
-  std::vector<double> relative(static_cast<size_t>(sequence.size()), 1);
-  for (int i = 0; i < sequence.size(); ++i) {
-    const int parent = tree.parent[static_cast<size_t>(i)];
-    if (parent >= 0)
-      relative[static_cast<size_t>(i)] = sequence[i].radius() / sequence[parent].radius();
-  }
-  return relative;
-}
-
 Propagation RobustStrategy::propagate(const PropagationTask& task, const Progress& progress) const {
   requireOneUnit(task.sequence, task.tree);
   report(progress, 0);
-  const std::vector<LayerPose> poses = findLayerPoses(task.sequence, task.tree, task.pool);
-  const Sequence laid = laidInRootsFrame(task.sequence, poses);
+  const Sequence sized = inRootsSize(task.sequence, task.sizes, task.tree);
+  const std::vector<LayerPose> poses = findLayerPoses(sized, task.tree, task.pool);
+  const Sequence laid = laidInRootsFrame(sized, poses);
   FollowedMotion followed =
       followMotion(laid, task.root, task.tree, task.pool, part(progress, 0, followingShare),
                    task.closing, parameters_);
@@ -85,11 +77,15 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
                   fromParent(result.layers[from].map(), laid.surface(task.closing->to)).map(),
                   result.layers[to].map());
   }
-  // The maps are of the layers as they lie.
+  // The maps are of the layers as they lie, and so are lengths.
   for (int i = 0; i < task.sequence.size(); ++i) {
     const auto k = static_cast<size_t>(i);
     TransferredMap& transferred = result.layers[k].transferred;
     transferred.map = transferred.map.of(task.sequence.surface(i));
+    if (const double unit = task.sequence[i].radius() / sized[i].radius(); unit != 1) {
+      for (double& distance : transferred.distances) distance *= unit;
+      transferred.residual = residualOf(transferred.distances);
+    }
     result.layers[k].pose = poses[k];
   }
   return result;

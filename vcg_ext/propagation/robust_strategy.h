@@ -10,13 +10,14 @@
 
 namespace sphere_propagation {
 
-/// Surfaces whose sizes differ from their parents' by more than this are in different units.
+/// Surfaces whose sizes differ from their parents' by more than this are refused.
 constexpr double maxRelativeSize = 100;
 
 class RobustStrategy : public PropagationStrategy {
  public:
   explicit RobustStrategy(const MotionParameters& parameters) : parameters_(parameters) {}
-  /// Layers in another pose than the rest are laid in the root's frame for it (layer_poses.h).
+  /// Layers of another size than the rest are taken in the root's (layer_sizes.h), and those in
+  /// another pose are laid in the root's frame for it (layer_poses.h).
   /// Throws, besides, ParameterError where a layer is of another size than its parent by more than
   /// maxRelativeSize.
   Propagation propagate(const PropagationTask& task, const Progress& progress) const override;
@@ -24,8 +25,5 @@ class RobustStrategy : public PropagationStrategy {
  private:
   MotionParameters parameters_;
 };
-
-/// The size of each surface relative to its parent's; 1 at the root.
-std::vector<double> relativeSizes(const Sequence& sequence, const PropagationTree& tree);
 
 }  // namespace sphere_propagation

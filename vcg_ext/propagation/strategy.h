@@ -12,6 +12,7 @@
 #include "vcg_ext/propagation/transfer/map_difference.h"
 #include "vcg_ext/propagation/transfer/map_transfer.h"
 #include "vcg_ext/sequence/layer_poses.h"
+#include "vcg_ext/sequence/layer_sizes.h"
 #include "vcg_ext/sequence/propagation_tree.h"
 #include "vcg_ext/sequence/sequence.h"
 #include "vcg_ext/sphere/mapped_surface.h"
@@ -30,9 +31,11 @@ struct PropagatedLayer {
   TransferredMap transferred;  ///< the layer with its map, and what that took; zeros at the root
   int parent = -1;             ///< the layer that the map comes from; -1 for the root
   Route route = Route::Method;
-  double seconds = 0;       ///< spent on this layer, wall clock
-  LayerPose pose = {};      ///< in which method Robust brought it onto its parent
-  double relativeSize = 1;  ///< of its radius (of the sphere of its area) to its parent's
+  double seconds = 0;   ///< spent on this layer, wall clock
+  LayerPose pose = {};  ///< in which method Robust brought it onto its parent
+  LayerSize size = {};  ///< beside the others
+  /// Whether it lies much farther off than the others do (residualsThatStandOut).
+  bool residualStandsOut = false;
 
   const MappedSurface& map() const { return transferred.map; }
 };
@@ -53,6 +56,7 @@ struct PropagationTask {
   const MappedSurface& root;  ///< the surface of the tree's root, with its map
   const PropagationTree& tree;
   const std::optional<Arc>& closing;  ///< an arc beside the tree
+  const std::vector<LayerSize>& sizes;
   ThreadPool& pool;
 };
 

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
@@ -17,17 +18,6 @@ namespace {
 constexpr double minAgreement =
     0.5;                      // least dot product of a layer's face normal with the template's
 constexpr int coarse = 3000;  // vertices
-
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const size_t half = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half),
-                   values.end());
-  const double upper = values[half];
-  if (values.size() % 2 == 1) return upper;
-  return 0.5 * (upper + *std::max_element(values.begin(),
-                                          values.begin() + static_cast<std::ptrdiff_t>(half)));
-}
 
 /// How many vertices a layer's noise is taken for. That of few is partly theirs, as that of large
 /// voxels, and partly of the shape, which is as smooth on a coarse mesh as on a fine one: the

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Figures of samples that a few wild ones do not move.
+
+#include <algorithm>
+#include <vector>
+
+namespace sphere_propagation {
+
+/// The median absolute deviation times this is the standard deviation where samples are normal.
+constexpr double normalDeviation = 1.4826;
+
+/// The middle value, of an even number of samples the mean of the middle two; 0 of none.
+inline double medianOf(std::vector<double> samples) {
+  if (samples.empty()) return 0;
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  if (samples.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(samples.begin(), middle)) / 2;
+}
+
+}  // namespace sphere_propagation
