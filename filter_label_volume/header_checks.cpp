@@ -221,8 +221,9 @@ void compareWithData(VolumeHeader& header, const TextHeader& head, const std::st
       inside ? fs::u8path(name) : fs::u8path(name).parent_path() / fs::u8path(dataFile);
   double present = sizeOfFile(data);
   if (inside) present -= head.end;
-  double claimed = text ? 2 : static_cast<double>(bytesOf(header.type));  // a digit and a blank
-  for (const std::int64_t n : header.size) claimed *= static_cast<double>(n);
+  const auto numbers = static_cast<double>(header.voxels());
+  const double claimed = text ? 2 * numbers - 1  // digits with a blank between them
+                              : numbers * static_cast<double>(bytesOf(header.type));
   const std::vector<host::Remark> before = header.remarks;
   compareWithFile(header, claimed, present, compressed);
   if (text) header.remarks = before;  // digits and blanks may be as many as they like

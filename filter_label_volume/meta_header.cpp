@@ -23,7 +23,8 @@ VoxelType metaType(const std::string& name) {
   return type->second;
 }
 
-bool isTrue(const std::string& value) {
+/// MetaIO looks at the first letter.
+bool saysYes(const std::string& value) {
   return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
 }
 
@@ -97,7 +98,7 @@ VolumeHeader readMetaHeader(const std::string& name) {
   if (!channels.empty() && channels[0] != 1) refuse(volume_messages::severalNumbers, channels[0]);
   header.type = metaType(head.at("elementtype"));
   placeMeta(header, head, size.size());
-  const bool inside = lowerCase(data) == "local", compressed = isTrue(head.at("compresseddata"));
+  const bool inside = lowerCase(data) == "local", compressed = saysYes(head.at("compresseddata"));
   if (compressed) {  // ITK leaves out without a word what is not there
     const auto length = head.wholeNumbers("compresseddatasize");
     if (length.size() != 1) refuse(volume_messages::noCompressedSize);
@@ -106,7 +107,7 @@ VolumeHeader readMetaHeader(const std::string& name) {
       refuse(volume_messages::truncatedCompressed, bytesInWords(static_cast<double>(length[0])));
   }
   compareWithData(header, head, name, inside ? "" : data, compressed,
-                  lowerCase(head.at("binarydata")) == "false");
+                  !head.at("binarydata").empty() && !saysYes(head.at("binarydata")));
   return header;
 }
 

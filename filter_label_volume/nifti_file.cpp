@@ -151,7 +151,8 @@ void readSize(VolumeHeader& header, const RawHeader& raw) {
   const std::int64_t dimensions = entry(0);
   if (dimensions < 1 || dimensions > 7) refuse(volume_messages::brokenDimensions, dimensions);
   std::vector<std::int64_t> axes;
-  for (size_t i = 1; i <= static_cast<size_t>(dimensions); ++i) axes.push_back(entry(i));
+  for (size_t i = 1; i <= static_cast<size_t>(dimensions); ++i)
+    axes.push_back(i > 3 && entry(i) == 0 ? 1 : entry(i));  // what is not used
   setSize(header, axes);
   if (axes.size() > 4 && axes[4] > 1 && isVector(raw))
     refuse(volume_messages::severalNumbers, axes[4]);

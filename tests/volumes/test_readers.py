@@ -4,6 +4,7 @@ a body whose volume, middle and box are known from its voxels."""
 
 import gzip
 import itertools
+import json
 import struct
 
 import numpy as np
@@ -144,6 +145,8 @@ def test_phases_along_a_later_axis(tmp_path, version):
         array = moving().reshape(*EGG.shape, *[1] * extra, 3)
         path = written(tmp_path, "time.nii", files.nifti(array, MATRIX, version=version))
         require_phases(path, MATRIX)
+    unused = files.nifti(EGG, MATRIX, size=(*EGG.shape, 0), version=version)
+    require_read(written(tmp_path, "unused.nii", unused), MATRIX)
     for axes in ((2, 3), (2, 1, 3)):
         array = np.zeros((*EGG.shape, *axes), "u1")
         path = written(tmp_path, "two.nii", files.nifti(array, MATRIX, version=version))
@@ -410,6 +413,39 @@ def test_types_of_text_headers(tmp_path, type_):
         require_read(written(tmp_path, name, data), np.diag([-1.0, 1, 1, 1]) @ MATRIX, labels="100")
 
 
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize(
+    "encoding, encode, extra",
+    [
+        ("raw", bytes, ()),
+        ("raw", lambda d: b"x" * 100 + d, ("byte skip: 100",)),
+        ("raw", lambda d: b"x" * 100 + d, ("byte skip: -1",)),
+        ("gzip", gzip.compress, ()),
+        ("gz", lambda d: b"one\ntwo\n" + gzip.compress(d), ("line skip: 2",)),
+        ("hex", lambda d: d.hex().encode(), ()),
+        (
+            "ascii",
+            lambda d: " ".join(map(str, np.frombuffer(d, ">i2").tolist())).encode(),
+            (),
+        ),
+    ],
+)
+def test_encodings_of_nrrd(tmp_path, encoding, encode, extra, inside):
+    """Attached, and in a file beside the header."""
+    array = EGG.astype(">i2")
+    voxels = encode(array.tobytes(order="F"))
+    header = files.nrrd_of(EGG.astype("i2"), "space: RAS", DIRECTIONS, ORIGIN, *extra)
+    header = header[: -2 * EGG.size].replace(b"endian: little", b"endian: big")
+    header = header.replace(b"encoding: raw", f"encoding: {encoding}".encode())
+    if inside:
+        path = written(tmp_path, "egg.nrrd", header + voxels)
+    else:
+        (tmp_path / "data").mkdir()
+        written(tmp_path / "data", "egg voxels.bin", voxels)
+        path = written(tmp_path, "egg.nhdr", header[:-1] + b"data file: data/egg voxels.bin\n")
+    require_read(path, MATRIX)
+
+
 # ---------------------------------------------------------------- MetaImage
 
 TURN = "TransformMatrix = 0 1 0 -1 0 0 0 0 1"
@@ -474,6 +510,75 @@ def test_time_in_meta_image(tmp_path, extra):
     ]
     array = moving().reshape(*EGG.shape, *[1] * extra, 3)
     require_phases(written(tmp_path, "time.mha", files.meta_of(array, *fields)), LPS @ TURNED)
+
+
+@pytest.mark.parametrize("word, text", [("F", True), ("False", True), ("0", True), ("T", False)])
+def test_numbers_in_digits(tmp_path, word, text):
+    data = files.meta_of(EGG, SPACING, OFFSET, TURN)
+    data = data.replace(b"BinaryData = True", f"BinaryData = {word}".encode())
+    if text:
+        data = data[: -EGG.size] + " ".join(map(str, EGG.ravel(order="F"))).encode()
+    require_read(written(tmp_path, "egg.mha", data), LPS @ TURNED)
+
+
+# ---------------------------------------------------------------- what a file leaves open
+
+
+def unsure(returned):
+    """What the filter says of the file, as (kind, message, layer)."""
+    if "warnings" not in returned:
+        return []
+    remarks = json.loads(bytes(returned["warnings"].astype(int).tolist()).decode())
+    return [(r["kind"], r["message"], r["layer"]) for r in remarks]
+
+
+def analyze(folder):
+    header, voxels = files.nifti_pair(EGG)
+    header[344:348] = bytes(4)
+    written(folder, "egg.img", voxels)
+    return written(folder, "egg.hdr", bytes(header))
+
+
+UNSURE = {
+    "a.nii": (lambda: files.nifti(EGG, sform=0, pixdim=(1, 1, 1)), "Note", "noPlaceRas"),
+    "b.nii": (lambda: files.nifti(np.where(EGG, 1, np.nan)), "Note", "nanIsBackground"),
+    "c.nrrd": (lambda: files.nrrd_of(EGG), "Note", "noPlaceLps"),
+    "d.nrrd": (lambda: files.nrrd_of(EGG, "space: scanner-xyz", DIRECTIONS), "Note", "noSides"),
+    "e.nrrd": (lambda: files.nrrd_of(EGG, "space dimension: 3", DIRECTIONS), "Note", "noPlaceLps"),
+    "f.nrrd": (
+        lambda: files.nrrd_of(EGG, "space: 3D-left-handed", DIRECTIONS),
+        "Warning",
+        "leftHanded",
+    ),
+    "g.nrrd": (
+        lambda: files.nrrd_of(EGG, "space: RAS", DIRECTIONS, 'space units: "ell" "ell" "ell"'),
+        "Warning",
+        "unknownUnit",
+    ),
+    "h.mha": (lambda: files.meta_of(EGG, "DistanceUnits = ell"), "Warning", "unknownUnit"),
+    "i.mha": (
+        lambda: files.meta_of(EGG, "AnatomicalOrientation = SLA"),
+        "Note",
+        "orientationContradicts",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", UNSURE)
+def test_what_is_assumed_is_said(tmp_path, name):
+    make, kind, message = UNSURE[name]
+    _, returned = imported(written(tmp_path, name, make()))
+    assert unsure(returned) == [(kind, message, name[0])]
+
+
+def test_nothing_is_said_of_files_that_say_it_all(tmp_path):
+    for name, data in (
+        ("a.nii", files.nifti(EGG, MATRIX)),
+        ("b.nrrd", files.nrrd_of(EGG, "space: LAS", DIRECTIONS, 'space units: "um" "um" "um"')),
+        ("c.mha", files.meta_of(EGG, "DistanceUnits = mm", "AnatomicalOrientation = RAI")),
+    ):
+        assert unsure(imported(written(tmp_path, name, data))[1]) == []
+    assert unsure(imported(analyze(tmp_path))[1]) == [("Warning", "analyzeSides", "egg")]
 
 
 # ---------------------------------------------------------------- names
