@@ -120,7 +120,7 @@ def _vtk(thing: Any, name: str) -> Optional[Mesh]:
     if data.IsA("vtkPolyData"):
         cells = data.GetPolys()
         _refuse_points(name, what, cells.GetNumberOfCells() + data.GetNumberOfStrips(), data)
-        if data.GetNumberOfStrips() or (np.diff(_numbers(cells.GetOffsetsArray())) != 3).any():
+        if data.GetNumberOfStrips() or (np.diff(numbers_of(cells.GetOffsetsArray())) != 3).any():
             raise InputError(
                 f"{name} ({what}) has strips, or polygons other than triangles. Triangles of it "
                 "are mesh = pyvista.wrap(mesh).triangulate()"
@@ -145,8 +145,8 @@ def _vtk(thing: Any, name: str) -> Optional[Mesh]:
             f"{name} is a {what}, no surface of triangles. What surrounds it is "
             "mesh = pyvista.wrap(mesh).extract_surface().triangulate()"
         )
-    vertices = _numbers(data.GetPoints().GetData()).copy()
-    return Mesh(vertices, _numbers(cells.GetConnectivityArray()).reshape(-1, 3).copy())
+    vertices = numbers_of(data.GetPoints().GetData()).copy()
+    return Mesh(vertices, numbers_of(cells.GetConnectivityArray()).reshape(-1, 3).copy())
 
 
 def _refuse_points(name: str, what: str, cells: int, data: Any) -> None:
@@ -158,7 +158,7 @@ def _refuse_points(name: str, what: str, cells: int, data: Any) -> None:
         )
 
 
-def _numbers(array: Any) -> np.ndarray:
+def numbers_of(array: Any) -> np.ndarray:
     """A vtkDataArray's; where there is one there is vtk."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 

@@ -14,7 +14,18 @@ from math import inf
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
-from . import filters, gallery, jobs, pictures, plugin, progress, report, version
+from . import (
+    conversion,
+    filters,
+    gallery,
+    jobs,
+    pictures,
+    plugin,
+    progress,
+    readers,
+    report,
+    version,
+)
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
 from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters
 
@@ -125,12 +136,23 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
     return 0
 
 
+def _convert(options, make_progress) -> int:
+    planned = conversion.plan(options.meshes, options.to, options.format, options.overwrite)
+    failed = conversion.convert(planned, (options.space or "").upper(), print)
+    for text in failed.values():
+        print(f"error: {text}", file=sys.stderr)
+    if failed:
+        print(f"{len(planned) - len(failed)} of {len(planned)} converted", file=sys.stderr)
+    return int(bool(failed))
+
+
 def _info(options, make_progress) -> int:
     extras = {
         name: "installed"
         if find_spec(name)
-        else "not installed (pip install 'sphere-propagation[pictures]')"
-        for name in pictures.NEEDED
+        else f"not installed (pip install 'sphere-propagation[{extra}]')"
+        for extra, names in (("pictures", pictures.NEEDED), ("surfaces", readers.NEEDED))
+        for name in names
     }
     before = "loaded before this package"
     facts = {
@@ -199,8 +221,9 @@ def parser() -> argparse.ArgumentParser:
         "meshes",
         nargs="+",
         metavar="FILE",
-        help="meshes (ply, stl, obj, off), label volumes of one or more phases "
-        "(nii, nii.gz, hdr with img, nrrd, nhdr, mha, mhd), or folders of them, in natural order",
+        help="meshes (ply, stl, obj, off; vtk, vtp, vtu, gii, FreeSurfer's), label volumes of one "
+        "or more phases (nii, nii.gz, hdr with img, nrrd, nhdr, mha, mhd), or folders of them, in "
+        "natural order",
     )
     run.add_argument(
         "-o",
@@ -267,6 +290,31 @@ def parser() -> argparse.ArgumentParser:
     )
     demo.set_defaults(action=_demo)
 
+    convert = actions.add_parser(
+        "convert",
+        help="meshes that MeshLab does not open (VTK, GIFTI, FreeSurfer) to PLY, STL or OBJ",
+        description="Writes meshes that MeshLab does not open (vtk, vtp, vtu, gii, FreeSurfer's "
+        "lh.white and the like) as files that it does. Files in LPS are turned into RAS, which the "
+        "new ones say (SPACE=RAS), so that 3D Slicer puts them in place.",
+    )
+    convert.add_argument("meshes", nargs="+", metavar="FILE", help="meshes, or folders of them")
+    convert.add_argument(
+        "--to", metavar="FOLDER", help="where they go (default: each beside its file)"
+    )
+    convert.add_argument(
+        "--format",
+        choices=list(conversion.WRITERS),
+        default="ply",
+        help="what is written (default: %(default)s)",
+    )
+    convert.add_argument(
+        "--space",
+        choices=["ras", "lps"],
+        help="the frame of files that do not say theirs (default: ras, with a warning)",
+    )
+    convert.add_argument("--overwrite", action="store_true", help="replace files that are there")
+    convert.set_defaults(action=_convert)
+
     info = actions.add_parser("info", help="versions, the plugin's path, the filters")
     info.set_defaults(action=_info)
     return command
@@ -307,8 +355,11 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         default=_option(METHODS, DEFAULTS.method),
         help="how a map gets to the next mesh (default: %(default)s)",
     )
-    add("--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})")
-    add(
+    who = action.add_mutually_exclusive_group()
+    who.add_argument(
+        "--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})"
+    )
+    who.add_argument(
         "--parents",
         metavar="LIST",
         help="instead of --order: for each mesh the number of that which hands it the map, -1 for "

@@ -5,21 +5,23 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import filters, layers
-from .errors import FileError
+from . import filters, layers, readers
+from .attention import warn
+from .errors import FileError, InputError
 from .sphere_map import SphereMap
-from .surface import Surface
+from .surface import Surface, array_of
 from .turns import turn
 
-SUFFIXES = (".ply", ".stl", ".obj", ".off")
+SUFFIXES = (*readers.OF_MESHLAB, *readers.SUFFIXES)
 VOLUME_SUFFIXES = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz", ".nrrd", ".nhdr")
 VOLUME_SUFFIXES += (".mha", ".mhd")
-APPLE_DOUBLE = b"\0\5\x16\7"  # how macOS's files begin
 
 
 def mesh_files(*paths) -> List[Path]:
@@ -29,12 +31,14 @@ def mesh_files(*paths) -> List[Path]:
     differ in their numbers alone come in the order of these numbers, whatever a shell's * makes of
     them; otherwise the order is kept.
     """
-    return _in_order(paths, SUFFIXES)
+    with turn("Looking for files"):
+        return _in_order(paths, SUFFIXES)
 
 
 def input_files(*paths) -> List[Path]:
     """As mesh_files, but a folder without meshes stands for its label volumes."""
-    return _in_order(paths, SUFFIXES, VOLUME_SUFFIXES)
+    with turn("Looking for files"):
+        return _in_order(paths, SUFFIXES, VOLUME_SUFFIXES)
 
 
 def is_label_volume(path) -> bool:
@@ -42,10 +46,13 @@ def is_label_volume(path) -> bool:
 
 
 def stem_of(path) -> str:
-    """A file's name without its suffix; .nii.gz is one."""
+    """A file's name without its suffix; .nii.gz and .surf.gii are one, lh.white has none."""
     path = Path(path)
-    packed = path.name.lower().endswith((".nii.gz", ".hdr.gz", ".img.gz"))
-    return path.name[: -len(".nii.gz")] if packed else path.stem
+    for suffix in (".nii.gz", ".hdr.gz", ".img.gz", ".surf.gii"):
+        if path.name.lower().endswith(suffix):
+            return path.name[: -len(suffix)]
+    known = path.suffix.lower() in (*SUFFIXES, *VOLUME_SUFFIXES)
+    return path.name if readers.FREESURFER.match(path.name) and not known else path.stem
 
 
 def _inputs(files: List[Path]) -> List[Path]:
@@ -56,7 +63,7 @@ def _inputs(files: List[Path]) -> List[Path]:
         if not path.name.startswith("._") or not path.is_file():
             return False
         with open(path, "rb") as file:
-            return file.read(4) == APPLE_DOUBLE
+            return file.read(4) == readers.APPLE_DOUBLE
 
     def ends(path: Path, *suffixes: str) -> bool:
         return path.name.lower().endswith(suffixes)
@@ -73,26 +80,13 @@ def _inputs(files: List[Path]) -> List[Path]:
 def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     """kinds: suffixes; a folder stands for the first kind that it has."""
     found: List[Path] = []
-    given = [Path(path) for path in paths]
+    given = [_path(path) for path in paths]
     given = _inputs(given) or given
     if len({re.sub(r"\d+", "#", str(path)) for path in given}) == 1:
         given.sort(key=lambda path: _natural(str(path)))
     for path in given:
         if path.is_dir():
-            files = sorted(
-                _inputs([file for file in path.iterdir() if file.is_file()]),
-                key=lambda file: _natural(file.name),
-            )
-            inside = [
-                [file for file in files if file.name.lower().endswith(suffixes)]
-                for suffixes in kinds
-            ]
-            if not any(inside):
-                volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
-                raise FileError(
-                    f"The folder {path} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
-                )
-            found += next(filter(None, inside))
+            found += _in_folder(path, kinds)
         elif path.is_file():
             found.append(path)
         else:
@@ -108,6 +102,41 @@ def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     return found
 
 
+def _in_folder(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
+    """The files of the first kind that it has."""
+    files = sorted(
+        _inputs([p for p in folder.iterdir() if p.is_file() and not p.name.startswith("._")]),
+        key=lambda path: _natural(path.name),
+    )
+    inside = [
+        [
+            path
+            for path in files
+            if path.name.lower().endswith(suffixes) and not readers.NO_SURFACES.search(path.name)
+        ]
+        for suffixes in kinds
+    ]
+    if not any(inside):  # these have no suffix
+        inside[0] = [
+            path
+            for path in files
+            if readers.FREESURFER.match(path.name) and readers.is_freesurfer(path)
+        ]
+    if not any(inside):
+        volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
+        raise FileError(
+            f"The folder {folder} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
+        )
+    taken, *others = filter(None, inside)
+    if others:
+        names = ", ".join(path.name for path in others[0][:3])
+        warn(
+            f"The folder {folder} holds meshes and label volumes: the meshes are taken, and not "
+            f"{names}{', …' if len(others[0]) > 3 else ''}."
+        )
+    return taken
+
+
 def _natural(name: str):
     return [
         (0, int(part), "") if part.isdecimal() else (1, 0, part)
@@ -116,21 +145,54 @@ def _natural(name: str):
 
 
 def read_mesh(path) -> Surface:
-    """A mesh from a file (PLY, STL, OBJ, OFF and whatever else PyMeshLab reads; duplicated vertices
-    of STL files are merged)."""
-    meshes, path = _load(path)
-    return layers.surface_of(meshes.current_mesh(), path.stem)
+    """A mesh from a file: PLY, STL, OBJ, OFF and whatever else PyMeshLab reads; VTK, VTP, VTU,
+    GIFTI and FreeSurfer's with the extra `surfaces`. Vertices that STL and VTK files split are
+    merged.
+
+    A file that says SPACE=LPS, as 3D Slicer writes, is turned into RAS; `space` of the surface is
+    RAS where the file said one of the two.
+    """
+    return surface_in(path)[0]
+
+
+def surface_in(path) -> Tuple[Surface, Dict[str, np.ndarray]]:
+    """As read_mesh, and the numbers per vertex that a VTK file has beside it, by name."""
+    with _reading(path) as path:
+        found = readers.read(path)
+        if found is not None:
+            return Surface(found.vertices, found.faces, stem_of(path), found.space), found.scalars
+        meshes, space = _load(path), readers.space_in_header(path)
+    surface = layers.surface_of(meshes.current_mesh(), stem_of(path))
+    vertices = readers.turned(space, surface.vertices)
+    return Surface(vertices, surface.faces, surface.name, space and "RAS"), {}
 
 
 def read_meshes(*paths) -> List[Surface]:
     """The meshes of files and folders, in order of time; see mesh_files."""
-    return [read_mesh(path) for path in mesh_files(*paths)]
+    surfaces = [read_mesh(path) for path in mesh_files(*paths)]
+    warn_of_frames(surfaces)
+    return surfaces
+
+
+def warn_of_frames(surfaces: Sequence[Surface]) -> None:
+    """Where some say their frame and others do not."""
+    silent = [surface.name for surface in surfaces if not surface.space]
+    telling = [surface.name for surface in surfaces if surface.space]
+    if silent and telling:
+        others = f" (and {len(silent) - 1} others)" if len(silent) > 1 else ""
+        warn(
+            f"{silent[0]}{others} does not say whether it is in RAS or LPS, as {telling[0]} does: "
+            "all are taken to be in RAS."
+        )
 
 
 def read_map(path) -> SphereMap:
     """The map to the sphere that a file carries as texture coordinates, certified; a FileError when
     it carries none."""
-    meshes, path = _load(path)
+    with _reading(path) as path:
+        if path.suffix.lower() in readers.SUFFIXES or readers.is_freesurfer(path):
+            raise FileError(f"{path} carries no map: a PLY file can.")
+        meshes = _load(path)
     mesh = meshes.current_mesh()
     if not mesh.has_vertex_tex_coord():
         raise FileError(f"{path} carries no map: it has no texture coordinates per vertex.")
@@ -150,29 +212,63 @@ def read_map(path) -> SphereMap:
     return SphereMap(positions, texture, layers.row(figures, 0, filters.MAP_FIGURES))
 
 
-def _load(path):
-    path = Path(path)
-    if not path.is_file():
-        raise FileError(f"There is no file {path}.")
+@contextmanager
+def _reading(path) -> Iterator[Path]:
+    """A file that is there. While one is read no other thread is at it: PyMeshLab goes to the
+    file's folder, where relative paths mean something else."""
+    path = _path(path)
+    with turn(f"Reading {path}"):
+        if path.is_dir():
+            raise FileError(f"{path} is a folder: read_meshes takes all meshes in it.")
+        if not path.is_file():
+            raise FileError(f"There is no file {path}.")
+        if is_label_volume(path):
+            raise FileError(f"{path} is a label volume: read_label_volume makes surfaces of it.")
+        yield path
+
+
+def _path(path) -> Path:
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise InputError(f"A path must be a text, not {type(path).__name__}.") from error
+
+
+def _load(path: Path):
+    """A MeshSet with the mesh in a file that PyMeshLab opens, for one whose turn it is."""
     if path.suffix.lower() == ".ply" and not _has_ply_header(path):
         # PyMeshLab may crash over these.
         raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
     meshes = layers.mesh_set()
-    with turn(f"Reading {path}"):
+    with _plain_name(path) as name:
         here = os.getcwd()
         try:
-            meshes.load_new_mesh(str(path.resolve()))
+            meshes.load_new_mesh(str(name))
         except Exception as error:  # PyMeshLab's, or what its parsers stumble over
             layers.keep(meshes)
             lines = [line.strip() for line in str(error).splitlines() if line.strip()]
             reason = " ".join(lines[1:] or [line for line in lines if "format" in line.lower()])
+            reason = reason.replace(str(name), str(path))
             raise FileError(f"{path} cannot be read as a mesh. {reason}".strip()) from error
         finally:
             # PyMeshLab goes to the file's folder, and stays there when it cannot read the file.
             os.chdir(here)
     if meshes.current_mesh().face_number() == 0:
         raise FileError(f"{path} holds no triangles.")
-    return meshes, path
+    return meshes
+
+
+@contextmanager
+def _plain_name(path: Path) -> Iterator[Path]:
+    """A name that PyMeshLab understands in every locale: it loses others where LC_ALL=C."""
+    path = path.resolve()
+    if str(path).isascii():
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        link = Path(folder) / f"mesh{path.suffix}"
+        link.symlink_to(path)
+        yield link
 
 
 def _has_ply_header(path: Path) -> bool:
@@ -182,27 +278,43 @@ def _has_ply_header(path: Path) -> bool:
 
 
 def write_ply(
-    path, vertices, faces, colors: Optional[np.ndarray] = None, texture: Optional[np.ndarray] = None
+    path,
+    vertices,
+    faces,
+    colors: Optional[np.ndarray] = None,
+    texture: Optional[np.ndarray] = None,
+    *,
+    space: str = "RAS",
+    scalars: Optional[Mapping[str, np.ndarray]] = None,
 ) -> None:
     """A binary PLY file of floats. colors: (n, 3) in [0, 1]; texture: the map as (n, 2) texture
-    coordinates."""
+    coordinates; space: RAS or LPS, the frame of the vertices, which the file says as 3D Slicer
+    reads it; scalars: more numbers per vertex, by name."""
+    surface = Surface(vertices, faces, _path(path).stem, space)
+    vertices, faces, count = surface.vertices, surface.faces, len(surface.vertices)
     columns = [(name, "<f4", vertices[:, k]) for k, name in enumerate("xyz")]
     if colors is not None:
+        colors = _per_vertex("colors", colors, (count, 3))
         opaque = np.c_[np.round(255 * np.clip(colors, 0, 1)), np.full(len(colors), 255)]
         columns += [
             (name, "u1", opaque[:, k]) for k, name in enumerate(("red", "green", "blue", "alpha"))
         ]
     if texture is not None:
+        texture = _per_vertex("texture", texture, (count, 2))
         columns += [
             (name, "<f4", texture[:, k]) for k, name in enumerate(("texture_u", "texture_v"))
         ]
+    for name, values in (scalars or {}).items():
+        values = _per_vertex(name, values, (count,))
+        columns.append((_property(name, [name for name, _, _ in columns]), "<f4", values))
     vertex = np.empty(len(vertices), [(name, kind) for name, kind, _ in columns])
     for name, _, values in columns:
         vertex[name] = values
     face = np.empty(len(faces), [("count", "u1"), ("indices", "<i4", 3)])
     face["count"], face["indices"] = 3, faces
     words = {"<f4": "float", "u1": "uchar"}
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertex)}"]
+    header = ["ply", "format binary_little_endian 1.0", f"comment SPACE={space or 'RAS'}"]
+    header += [f"element vertex {len(vertex)}"]
     header += [f"property {words[kind]} {name}" for name, kind, _ in columns]
     header += [
         f"element face {len(face)}",
@@ -210,4 +322,22 @@ def write_ply(
         "end_header",
         "",
     ]
-    Path(path).write_bytes("\n".join(header).encode() + vertex.tobytes() + face.tobytes())
+    with turn(f"Writing {path}"):
+        Path(path).write_bytes("\n".join(header).encode() + vertex.tobytes() + face.tobytes())
+
+
+def _per_vertex(name: str, values, shape: Tuple[int, ...]) -> np.ndarray:
+    found = array_of(name, values)
+    if found.shape != shape or found.dtype.kind not in "biuf":
+        raise InputError(
+            f"{name} must be numbers of shape {shape}, not {found.dtype} of shape {found.shape}."
+        )
+    return found
+
+
+def _property(name: str, taken: Sequence[str]) -> str:
+    """A name that PLY allows, and that means nothing else."""
+    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "scalar"
+    while word in taken or word in ("nx", "ny", "nz", "s", "t", "u", "v", "quality", "flags"):
+        word += "_"
+    return word

@@ -94,6 +94,7 @@ def _run_files(
             phases = volume.figures["phase"] if len(paths) == 1 else None
         else:
             surfaces.append(files.read_mesh(path))
+    files.warn_of_frames(surfaces)
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
         raise InputError(
             f"{paths[0]} gives one surface: landmarks that correspond take two or more. One "

@@ -30,7 +30,7 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
     results, place = (
         (folder, f"{name}/")
         if isinstance(folder, ResultFolder)
-        else (ResultFolder(Path(folder) / name), "")
+        else (ResultFolder(Path(folder).absolute() / name), "")
     )
     # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
     cells = 2 * int(
@@ -43,7 +43,7 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
     def add(kind, label, *mesh):
         path = results.write(
             f"{place}{kind}/{label.replace(' ', '_').replace('/', '_')}.ply",
-            lambda path: write_ply(path, *mesh),
+            lambda path: write_ply(path, *mesh, space=result.surfaces[0].space),
         )
         layers[kind].append(ProjectLayer(label, path, kind == "surfaces"))
 

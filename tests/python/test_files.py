@@ -67,7 +67,7 @@ def test_other_texture_coordinates_are_no_map(cycle, tmp_path):
     "content, words",
     [
         (b"hello", "no PLY header"),
-        (b"", "no PLY header"),
+        (b"", "It is empty"),
         (b"ply\nformat ascii 1.0\nelement vertex 3\n", "no PLY header"),
         (
             b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Surface files of this field as files that MeshLab opens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from . import files, readers
+from .attention import warn
+from .errors import FileError, InputError
+from .surface import Surface
+
+
+class Job(NamedTuple):
+    source: Path
+    target: Path
+
+
+def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -> List[Job]:
+    """What is to be written, before any of it is: FileError where that would overwrite something.
+    Without a folder each goes beside its source."""
+    found = []
+    for source in files.mesh_files(*paths):
+        home = source.parent if folder is None else Path(folder)
+        target = home / f"{files.stem_of(source)}.{format}"
+        if target.exists() and target.samefile(source):
+            raise FileError(f"{source} would be overwritten by itself: choose a folder (--to).")
+        if target.exists() and not overwrite:
+            raise FileError(
+                f"{target} exists: choose a folder (--to), or let it be replaced (--overwrite)."
+            )
+        found.append(Job(source, target))
+    return found
+
+
+def convert(jobs: Sequence[Job], space: str, say: Callable[[str], None]) -> Dict[Path, str]:
+    """Reads and writes one after the other; returns what is wrong with those that cannot be read.
+    space: RAS or LPS, of files that do not say theirs; empty: RAS, with a warning."""
+    failed: Dict[Path, str] = {}
+    silent: List[Path] = []
+    for source, target in jobs:
+        try:
+            surface, scalars = files.surface_in(source)
+        except (FileError, InputError) as error:
+            failed[source] = str(error)
+            continue
+        if not surface.space:
+            silent.append(source)
+            vertices = readers.turned(space, surface.vertices)
+            surface = Surface(vertices, surface.faces, surface.name, "RAS")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        WRITERS[target.suffix[1:]](target, surface, scalars)
+        opened = readers.open_edges(surface.faces)
+        say(
+            f"{source} -> {target}: {len(surface.vertices)} vertices, {len(surface.faces)} "
+            f"triangles, {f'open at {opened} edges' if opened else 'closed'}"
+        )
+    if silent and not space:
+        others = f" (and {len(silent) - 1} others)" if len(silent) > 1 else ""
+        warn(
+            f"{silent[0]}{others} does not say whether it is in RAS or LPS, and is taken to be in "
+            "RAS: --space lps for the other."
+        )
+    return failed
+
+
+def _write_ply(path: Path, surface: Surface, scalars: Dict[str, np.ndarray]) -> None:
+    files.write_ply(path, surface.vertices, surface.faces, space=surface.space, scalars=scalars)
+
+
+def _write_stl(path: Path, surface: Surface, scalars: Dict[str, np.ndarray]) -> None:
+    corners = surface.vertices[surface.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    facets = np.zeros(
+        len(corners), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("_", "<u2")]
+    )
+    facets["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    facets["corners"] = corners
+    header = f"SPACE={surface.space}".encode().ljust(80)
+    path.write_bytes(header + np.uint32(len(facets)).tobytes() + facets.tobytes())
+
+
+def _write_obj(path: Path, surface: Surface, scalars: Dict[str, np.ndarray]) -> None:
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"# SPACE={surface.space}\n")
+        np.savetxt(file, surface.vertices, "v %.9g %.9g %.9g")
+        np.savetxt(file, surface.faces + 1, "f %d %d %d")
+
+
+WRITERS = {"ply": _write_ply, "stl": _write_stl, "obj": _write_obj}

@@ -1,0 +1,438 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Surface files that PyMeshLab does not open, VTK's, GIFTI and FreeSurfer's, by the libraries that
+keep these formats; and in which frame a file says that its coordinates are.
+
+Frames: coordinates that a file declares to be LPS are turned into RAS. GIFTI is in RAS. FreeSurfer
+has coordinates around the middle of the image, which become those of the scanner where the file
+tells where the image lay. A file that says nothing is taken as it is.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, Optional
+
+import numpy as np
+
+from . import adapters
+from .attention import warn
+from .errors import FileError, InputError
+
+OF_MESHLAB = (".ply", ".stl", ".obj", ".off")  # what else it opens is not looked for in folders
+VTK_SUFFIXES = (".vtk", ".vtp", ".vtu")
+SUFFIXES = (*VTK_SUFFIXES, ".gii")
+# GIFTI files of these names hold something else, by the custom of those who write them.
+NO_SURFACES = re.compile(r"\.(shape|func|label|time|rgba|vector|tensor|coord|topo)\.gii$", re.I)
+FREESURFER = re.compile(r"^[lr]h\.", re.I)  # lh.white; what is behind the point is no suffix
+FREESURFER_MAGIC = b"\xff\xff\xfe"
+APPLE_DOUBLE = b"\x00\x05\x16\x07"  # what macOS keeps beside files, as ._name
+NEEDED = ("vtk", "nibabel")
+
+# Of numbers in .vtk files; 4 of the others.
+BYTES = {
+    **dict.fromkeys(("char", "unsigned_char", "bit"), 1),
+    **dict.fromkeys(("short", "unsigned_short"), 2),
+    **dict.fromkeys(("double", "long", "unsigned_long", "vtktypeint64", "vtktypeuint64"), 8),
+}
+# vtkCellType: vertices and lines, which are no part of a surface, and what can be cut in triangles.
+NO_FACES, FACES = {1, 2, 3, 4}, {5, 6, 7, 8, 9}
+
+
+@dataclass
+class Found:
+    """A mesh as a file holds it."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    space: str = ""  # as of Surface
+    scalars: Dict[str, np.ndarray] = field(default_factory=dict)  # one number per vertex, by name
+
+
+def read(path: Path) -> Optional[Found]:
+    """The mesh in a file; None where PyMeshLab opens its kind. For one whose turn it is: VTK's log
+    is listened to meanwhile."""
+    _refuse_what_is_none(path)
+    reader = _reader_for(path)
+    if reader is None:
+        return None
+    try:
+        found = reader(path)
+    except InputError as error:  # of an adapter, for which the file is an object
+        raise FileError(str(error)) from error
+    if not len(found.faces):
+        raise FileError(f"{path} holds no triangles.")
+    if found.faces.min() < 0 or found.faces.max() >= len(found.vertices):
+        raise FileError(f"{path} cannot be read as a mesh. Its faces name vertices that it lacks.")
+    found = _welded(_without_loose_points(found))
+    return _in_ras(found)
+
+
+def is_freesurfer(path: Path) -> bool:
+    """Whether it holds a surface of FreeSurfer's."""
+    return path.is_file() and _start(path, 3) == FREESURFER_MAGIC
+
+
+def space_in_header(path: Path) -> str:
+    """What 3D Slicer, or this package, wrote into a PLY, STL, OBJ or OFF file: RAS or LPS, or
+    nothing."""
+    start = _start(path, 1 << 16)
+    if path.suffix.lower() == ".ply":
+        start = start.partition(b"end_header")[0]
+        lines = [line for line in re.split(rb"[\r\n]+", start) if line.startswith(b"comment")]
+    elif path.suffix.lower() == ".stl":
+        lines = [re.split(rb"[\r\n]", start[:300])[0] if start[:5] == b"solid" else start[:80]]
+    else:
+        lines = [line for line in re.split(rb"[\r\n]+", start) if line.startswith(b"#")]
+    return _space_in(path, b"\n".join(lines).decode("latin-1"))
+
+
+def turned(space: str, vertices: np.ndarray) -> np.ndarray:
+    """From LPS to RAS, where the space is LPS."""
+    return vertices * [-1.0, -1.0, 1.0] if space == "LPS" else vertices
+
+
+def _space_in(path: Path, text: str) -> str:
+    said = set(re.findall(r"\bSPACE=([A-Za-z-]+)", text))
+    if len(said) > 1 or said - {"RAS", "LPS"}:
+        raise FileError(
+            f"{path} says SPACE={', '.join(sorted(said))}: one of RAS and LPS is understood here."
+        )
+    return said.pop() if said else ""
+
+
+def _start(path: Path, count: int) -> bytes:
+    with open(path, "rb") as file:
+        return file.read(count)
+
+
+def _refuse_what_is_none(path: Path) -> None:
+    start = _start(path, 4)
+    if not start:
+        raise FileError(f"{path} cannot be read as a mesh. It is empty.")
+    if start == APPLE_DOUBLE:
+        raise FileError(f"{path} is what macOS keeps beside a file of this name: it holds no mesh.")
+    named = FREESURFER.match(path.name) and path.suffix.lower() not in (*SUFFIXES, *OF_MESHLAB)
+    if named and start[:3] != FREESURFER_MAGIC:
+        raise FileError(
+            f"{path} holds no surface, although FreeSurfer calls its surfaces so: lh.white and "
+            "lh.pial are some, lh.curv and lh.thickness hold numbers on them."
+        )
+
+
+def _reader_for(path: Path) -> Optional[Callable[[Path], Found]]:
+    suffix = path.suffix.lower()
+    if suffix in VTK_SUFFIXES:
+        return _read_vtk
+    if suffix == ".gii":
+        return _read_gifti
+    return _read_freesurfer if is_freesurfer(path) else None
+
+
+def _needs(path: Path, package: str) -> FileError:
+    return FileError(
+        f"{path} is read by the package {package}, which is not installed: "
+        "pip install 'sphere-propagation[surfaces]'"
+    )
+
+
+# ---------------------------------------------------------------- VTK
+
+
+def _read_vtk(path: Path) -> Found:
+    try:
+        from vtkmodules.vtkCommonCore import vtkVersion  # noqa: F401
+    except ImportError as error:
+        raise _needs(path, "vtk") from error
+    data, complaints = _vtk_data(path)
+    if complaints:
+        raise FileError(f"{path} cannot be read as a mesh. {complaints}")
+    space = _vtk_space(path, data)
+    data = _in_triangles(path, data)
+    mesh = adapters.mesh_of(data, str(path))
+    scalars = {}
+    for i in range(data.GetPointData().GetNumberOfArrays()):
+        array = data.GetPointData().GetArray(i)  # none where it holds texts
+        if array is not None and array.GetNumberOfComponents() == 1:
+            scalars[array.GetName() or f"scalars {i}"] = adapters.numbers_of(array).copy()
+    return Found(np.asarray(mesh.vertices, float), np.asarray(mesh.faces), space, scalars)
+
+
+def _vtk_data(path: Path):
+    """What VTK reads, and its first complaint, which would otherwise go to standard error."""
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+
+    start = _start(path, 1 << 12)
+    if path.suffix.lower() == ".vtk":
+        if not start.lower().startswith(b"# vtk datafile"):
+            raise FileError(f"{path} cannot be read as a mesh. It has no VTK header.")
+        if _is_cut_off(path.read_bytes()):
+            raise FileError(f"{path} cannot be read as a mesh. It ends too early.")
+        reader = vtkDataSetReader()
+        for kind in ("Scalars", "Fields"):
+            getattr(reader, f"ReadAll{kind}On")()
+    else:
+        kind = re.search(rb"<VTKFile[^>]*\btype\s*=\s*[\"'](\w+)", start)
+        if not kind:
+            raise FileError(f"{path} cannot be read as a mesh. It has no VTK header.")
+        if kind[1] not in (b"PolyData", b"UnstructuredGrid"):
+            raise FileError(f"{path} holds no surface, but {kind[1].decode()}.")
+        reader = (
+            vtkXMLPolyDataReader() if kind[1] == b"PolyData" else vtkXMLUnstructuredGridReader()
+        )
+    reader.SetFileName(str(path))
+    with _listening() as said:
+        reader.Update()
+    data = reader.GetOutput()
+    if path.suffix.lower() == ".vtk" and data is None:
+        return None, said() or "It holds nothing."
+    return data, said()
+
+
+def _is_cut_off(content: bytes) -> bool:
+    """Whether a .vtk file has less than its header promises: VTK then makes faces of what happens
+    to be in memory, without a word, or fails. Looks as far as the cells."""
+    lines = content[:1024].splitlines(keepends=True)[:3]
+    at = sum(map(len, lines))
+    ascii = len(lines) > 2 and lines[2].strip().upper() == b"ASCII"
+
+    def next_words():
+        nonlocal at
+        while at < len(content):
+            end = content.find(b"\n", at) + 1 or len(content)
+            words, at = content[at:end].split(), end
+            if words:
+                return [word.decode("latin-1") for word in words]
+        return []
+
+    def skip(count: int, kind: str) -> None:
+        nonlocal at
+        at += count * BYTES.get(kind, 4)
+
+    words = next_words()
+    while words:
+        try:
+            if words[0].upper() == "POINTS" and ascii:
+                return 6 * int(words[1]) > len(content) - at  # a digit and a blank each
+            if words[0].upper() == "POINTS":
+                skip(3 * int(words[1]), words[2].lower())
+            elif words[0].upper() in ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"):
+                offsets, indices, before = int(words[1]), int(words[2]), at
+                words = next_words()
+                if words[:1] == ["OFFSETS"]:
+                    skip(offsets, words[1].lower())
+                    words = next_words()
+                    if at > len(content) or words[:1] != ["CONNECTIVITY"]:
+                        return True
+                    skip(indices, words[1].lower())
+                else:
+                    at = before
+                    skip(indices, "int")
+            elif words[0].upper() == "CELL_TYPES":
+                skip(int(words[1]), "int")
+            elif words[0].upper() == "METADATA":
+                at = content.find(b"\n\n", at) + 1 or len(content)
+            elif words[0].upper() not in ("DATASET",):
+                return False  # a field, or what belongs to points and cells
+        except (IndexError, ValueError):
+            return False  # VTK says what is wrong
+        if at > len(content):
+            return True
+        words = next_words()
+    return False
+
+
+@contextmanager
+def _listening() -> Iterator[Callable[[], str]]:
+    """Gives what tells of VTK's errors within, in its own words."""
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+
+    window, ear = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    level = vtkLogger.GetCurrentVerbosityCutoff()
+
+    def said() -> str:
+        lines = ear.GetOutput().splitlines()
+        words = [
+            re.sub(r"^\w+ \(0x[0-9a-f]+\): ", "", text)
+            for line, text in zip(lines, lines[1:])
+            if re.match("ERROR:|Warning:", line)
+        ]
+        return words[0] if words else ""
+
+    vtkOutputWindow.SetInstance(ear)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield said
+    finally:
+        vtkLogger.SetStderrVerbosity(level)
+        vtkOutputWindow.SetInstance(window)
+
+
+def _vtk_space(path: Path, data: Any) -> str:
+    """As 3D Slicer writes it: into the title of a .vtk file, or as a field called SPACE."""
+    title = ""
+    if path.suffix.lower() == ".vtk":
+        title = _start(path, 512).decode("latin-1").splitlines()[1:2]
+        title = title[0] if title else ""
+    array = data.GetFieldData().GetAbstractArray("SPACE")
+    if array is not None and array.GetNumberOfValues():
+        value = str(array.GetVariantValue(0).ToString())
+        title += " " + (value if "SPACE=" in value else f"SPACE={value}")
+    return _space_in(path, title)
+
+
+def _in_triangles(path: Path, data: Any) -> Any:
+    """Polygons and strips as triangles."""
+    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+    from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+
+    if data.IsA("vtkUnstructuredGrid"):
+        kinds = {data.GetCellType(i) for i in range(data.GetNumberOfCells())}
+        if kinds - NO_FACES - FACES:
+            raise FileError(
+                f"{path} holds a mesh of solids, no surface. What surrounds them is mesh = "
+                f"pyvista.read({str(path)!r}).extract_surface().triangulate()"
+            )
+        geometry = vtkGeometryFilter()
+        geometry.SetInputData(data)
+        geometry.Update()
+        data = geometry.GetOutput()
+    elif not data.IsA("vtkPolyData"):
+        raise FileError(f"{path} holds no surface, but {data.GetClassName()[3:]}.")
+    if not data.GetNumberOfPolys() and not data.GetNumberOfStrips():
+        raise FileError(f"{path} holds no triangles.")
+    for cells in (data.GetPolys(), data.GetStrips()):
+        indices = adapters.numbers_of(cells.GetConnectivityArray())
+        if indices.size and (indices.min() < 0 or indices.max() >= data.GetNumberOfPoints()):
+            raise FileError(
+                f"{path} cannot be read as a mesh. Its faces name vertices that it lacks."
+            )
+    triangles = vtkTriangleFilter()
+    triangles.SetInputData(data)
+    triangles.PassVertsOff()
+    triangles.PassLinesOff()
+    triangles.Update()
+    return triangles.GetOutput()
+
+
+# ---------------------------------------------------------------- GIFTI and FreeSurfer
+
+
+def _read_gifti(path: Path) -> Found:
+    try:
+        import nibabel
+    except ImportError as error:
+        raise _needs(path, "nibabel") from error
+    try:
+        image = nibabel.load(str(path))
+        darrays = [array for array in image.darrays if array.data is not None]
+    except Exception as error:  # nibabel's, or of the parsers behind it
+        raise FileError(f"{path} cannot be read as GIFTI. {_words(error)}") from error
+    if not any(array.intent in (adapters.POINTSET, adapters.TRIANGLES) for array in darrays):
+        raise FileError(f"{path} holds no surface, but other arrays of GIFTI.")
+    mesh = adapters.mesh_of(image, str(path))
+    return Found(np.asarray(mesh.vertices, float), np.asarray(mesh.faces), "RAS")
+
+
+def _read_freesurfer(path: Path) -> Found:
+    try:
+        from nibabel.freesurfer import read_geometry
+    except ImportError as error:
+        raise _needs(path, "nibabel") from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what the file does not tell, which is said below
+            vertices, faces, about = read_geometry(str(path), read_metadata=True)
+    except Exception as error:
+        raise FileError(f"{path} cannot be read as FreeSurfer's. {_words(error)}") from error
+    turn_and_shift = _to_scanner(about)
+    if turn_and_shift is None:
+        warn(
+            f"{path} does not tell where the image lay (c_ras): its coordinates are FreeSurfer's "
+            "own, around the image's middle, not those of the scanner."
+        )
+        return Found(np.asarray(vertices, float), np.asarray(faces, np.int64), "RAS")
+    rotation, shift = turn_and_shift
+    faces = np.asarray(faces, np.int64)
+    if np.linalg.det(rotation) < 0:
+        faces = faces[:, ::-1]
+    return Found(np.asarray(vertices, float) @ rotation.T + shift, faces, "RAS")
+
+
+def _to_scanner(about: Dict[str, Any]):
+    """From the image's own axes to those of the scanner: (3, 3) and (3,); None where the file does
+    not tell, or says itself that what it tells is not valid."""
+    if not str(about.get("valid", "")).strip().startswith("1"):
+        return None
+    try:
+        axes = np.column_stack([np.asarray(about[f"{axis}ras"], float) for axis in "xyz"])
+        shift = np.asarray(about["cras"], float)
+    except (KeyError, ValueError):
+        return None
+    own = np.array([[-1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # the columns of FreeSurfer's own axes
+    rotation = axes @ np.linalg.inv(own)
+    if shift.shape != (3,) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3):
+        return None
+    return rotation, shift
+
+
+def _words(error: BaseException) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+# ---------------------------------------------------------------- in order
+
+
+def _in_ras(found: Found) -> Found:
+    found.vertices = turned(found.space, found.vertices)
+    found.space = found.space and "RAS"
+    return found
+
+
+def _without_loose_points(found: Found) -> Found:
+    """Those that no face uses, which VTK's filters leave behind."""
+    used = np.zeros(len(found.vertices), bool)
+    used[found.faces] = True
+    if used.all():
+        return found
+    place = np.cumsum(used) - 1
+    return Found(
+        found.vertices[used],
+        place[found.faces],
+        found.space,
+        {name: values[used] for name, values in found.scalars.items()},
+    )
+
+
+def open_edges(faces: np.ndarray) -> int:
+    """How many edges have a face on one side only."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1)
+    return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
+
+
+def _welded(found: Found) -> Found:
+    """With vertices that lie exactly in one place as one, where the surface has open edges without:
+    writers of smooth shading, and of formats like STL, split vertices."""
+    if not open_edges(found.faces):
+        return found
+    _, first, place = np.unique(
+        found.vertices + 0.0, axis=0, return_index=True, return_inverse=True
+    )  # + 0.0: of -0.0
+    if len(first) == len(found.vertices):
+        return found
+    order = np.argsort(first)  # as they come in the file
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    faces = rank[place.reshape(-1)][found.faces]
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(1)]  # which had become edges
+    kept = first[order]
+    return Found(
+        found.vertices[kept],
+        faces,
+        found.space,
+        {name: values[kept] for name, values in found.scalars.items()},
+    )
