@@ -6,6 +6,7 @@ namespace sphere_propagation {
 std::vector<std::unique_ptr<host::Filter>> makeFilters() {
   std::vector<std::unique_ptr<host::Filter>> filters;
   filters.push_back(makePhantomFilter());
+  filters.push_back(makePreparationFilter());
   filters.push_back(makeRootFilter());
   filters.push_back(makePropagationFilter());
   filters.push_back(makeRemeshingFilter());

@@ -17,6 +17,7 @@ std::unique_ptr<host::Filter> makeEvaluationFilter();    ///< Evaluate spherical
 std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisation as sphere layers
 std::unique_ptr<host::Filter> makeColorFilter();         ///< Colour by spherical parameterisation
 std::unique_ptr<host::Filter> makeShapeModelFilter();    ///< Build statistical shape model
+std::unique_ptr<host::Filter> makePreparationFilter();   ///< Prepare surface
 
 /// All of them.
 std::vector<std::unique_ptr<host::Filter>> makeFilters();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "host/changes.h"
 
+#include <Eigen/Geometry>
 #include <QRegularExpression>
 #include <algorithm>
 #include <new>
@@ -43,6 +44,18 @@ std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
     auto handle = Allocator::AddPerVertexAttribute<Point3m>(*mesh, name);
     for (int v = 0; v < mesh->vn; ++v) handle[static_cast<size_t>(v)] = pointm(values, v);
   }
+  for (const auto& [name, values] : layer.scalarAttributes) {
+    auto handle = Allocator::AddPerVertexAttribute<Scalarm>(*mesh, name);
+    for (int v = 0; v < mesh->vn; ++v)
+      handle[static_cast<size_t>(v)] = static_cast<Scalarm>(values[v]);
+  }
+  mesh->svn = mesh->sfn = 0;
+  if (!layer.selectedVertices.empty())
+    for (int v = 0; v < mesh->vn; ++v)
+      if (layer.selectedVertices[v]) mesh->vert[v].SetS(), ++mesh->svn;
+  if (!layer.selectedFaces.empty())
+    for (int f = 0; f < mesh->fn; ++f)
+      if (layer.selectedFaces[f]) mesh->face[f].SetS(), ++mesh->sfn;
   for (const auto& [name, value] : layer.marks) {
     Allocator::AddPerVertexAttribute<Scalarm>(*mesh, name);
     markMesh(*mesh, name, value);
@@ -239,6 +252,50 @@ bool Changes::addLayer(const NewLayer& layer) {
   return replaced >= 0;
 }
 
+void Changes::remakeMesh(const Layer& layer, const MeshContent& former, RemadeMesh mesh) {
+  const MeshModel& model = *document_.getMesh(static_cast<unsigned int>(layer.id()));
+  const CMeshO& old = model.cm;
+  NewLayer made;
+  made.label = layer.label();
+  made.replacedId = layer.id();
+  made.matrix = matrixFromVcg(old.Tr);
+  const Eigen::Matrix4d inverse = made.matrix.inverse();
+  const bool isInvertible = inverse.allFinite();
+  if (!isInvertible) made.matrix = Eigen::Matrix4d::Identity();
+  const auto formerVertex = [&](Eigen::Index v) -> const CVertexO* {
+    const int source = mesh.source[static_cast<size_t>(v)];
+    return source < 0 ? nullptr : &old.vert[static_cast<size_t>(former.meshVertex[source])];
+  };
+  const Eigen::Index count = mesh.vertices.rows();
+  made.vertices = mesh.vertices;
+  for (Eigen::Index v = 0; isInvertible && v < count; ++v) {
+    if (const CVertexO* p = formerVertex(v))
+      made.vertices.row(v) << p->cP()[0], p->cP()[1], p->cP()[2];
+    else
+      made.vertices.row(v) =
+          (inverse * mesh.vertices.row(v).transpose().homogeneous()).head<3>().transpose();
+  }
+  made.faces = mesh.faces;
+  if (isInvertible && made.matrix.topLeftCorner<3, 3>().determinant() < 0)
+    made.faces.col(1).swap(made.faces.col(2));
+  if (model.hasDataMask(MeshModel::MM_VERTCOLOR)) {
+    constexpr int grey = 160;
+    made.colors = Colors::Constant(count, 3, grey);
+    for (Eigen::Index v = 0; v < count; ++v)
+      if (const CVertexO* p = formerVertex(v))
+        made.colors->row(v) << p->cC()[0], p->cC()[1], p->cC()[2];
+  }
+  if (model.hasDataMask(MeshModel::MM_VERTQUALITY)) {
+    made.quality = Eigen::VectorXd::Zero(count);
+    for (Eigen::Index v = 0; v < count; ++v)
+      if (const CVertexO* p = formerVertex(v)) (*made.quality)[v] = static_cast<double>(p->cQ());
+  }
+  made.scalarAttributes = std::move(mesh.scalarAttributes);
+  made.selectedVertices = std::move(mesh.selectedVertices);
+  made.selectedFaces = std::move(mesh.selectedFaces);
+  addLayer(made);
+}
+
 void Changes::removeOtherLayers(LayerKind kind) {
   for (const MeshModel* mesh : meshesOf(document_)) {
     const bool replaced =
@@ -428,6 +485,8 @@ int Changes::commit() {
     // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers
     // stayed the same.
     if (layers_[i].replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
+    if (mesh.cm.sfn > 0 || mesh.cm.svn > 0)
+      changed |= MeshModel::MM_FACEFLAGSELECT | MeshModel::MM_VERTFLAGSELECT;
   }
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
   for (const int id : removedIds_) host::removeLayer(document_, id);

@@ -33,9 +33,20 @@ struct NewLayer {
   std::optional<Eigen::VectorXd> quality;         ///< per vertex
   std::map<std::string, Points> pointAttributes;  ///< per vertex
   std::map<std::string, int> marks;               ///< see layers.h
+  std::map<std::string, Eigen::VectorXd> scalarAttributes;  ///< per vertex
+  std::vector<char> selectedVertices, selectedFaces;        ///< empty: none
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   std::optional<int>
       replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
+};
+
+/// What takes the place of a layer's mesh.
+struct RemadeMesh {
+  Points vertices;            ///< #V by 3, the layer's matrix applied
+  Triangles faces;            ///< #F by 3
+  std::vector<int> source;    ///< #V: the vertex of the former mesh in whose place each is; -1: none
+  std::map<std::string, Eigen::VectorXd> scalarAttributes;  ///< per vertex
+  std::vector<char> selectedVertices, selectedFaces;        ///< empty: none
 };
 
 class Changes {
@@ -78,6 +89,11 @@ class Changes {
   /// that label is overlooked, but not in layers of a model: one that was loaded is there to be
   /// compared with. Returns whether it takes the place of another one.
   bool addLayer(const NewLayer& layer);
+
+  /// Puts another mesh into a layer, in the place of `former`, which the layer was read as. Matrix,
+  /// label and visibility stay, and so do coordinates as they are stored, colours and quality of
+  /// vertices that were there; new ones are grey. All else that the layer carried is gone.
+  void remakeMesh(const Layer& layer, const MeshContent& former, RemadeMesh mesh);
 
   /// Removes a layer.
   void removeLayer(const Layer& layer) { removedIds_.push_back(layer.id()); }

@@ -25,7 +25,8 @@ enum class Menu {
   Measure = 4,
   MeshCreation = 8,
   VertexColoring = 16,
-  Quality = 32
+  Quality = 32,
+  Cleaning = 64
 };
 inline int operator|(Menu a, Menu b) { return static_cast<int>(a) | static_cast<int>(b); }
 

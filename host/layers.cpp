@@ -83,6 +83,8 @@ MeshSurface Layer::surface() const {
   return mesh;
 }
 
+MeshContent Layer::content() const { return contentOfMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr)); }
+
 std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
   const auto stored = pointAttribute(mesh_->cm, spherePositionAttribute);
   if (!stored) return std::nullopt;

@@ -64,6 +64,8 @@ class Layer {
   /// The layer's geometry: its matrix times its vertices. Throws SurfaceError, which names the
   /// layer.
   MeshSurface surface() const;
+  /// What the layer holds, its matrix applied, whatever is wrong with it.
+  MeshContent content() const;
   /// The map that the layer carries: the attribute, else the texture coordinates, whichever
   /// certifies as a map of this surface; ordinary texture coordinates do not, and are no map.
   std::optional<MappedSurface> map(const MeshSurface& surface) const;

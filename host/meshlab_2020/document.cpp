@@ -49,6 +49,8 @@ std::unique_ptr<CMeshO> copyOf(MeshModel& layer) {
   enableAttributesOf<Point3m>(layer.cm, *copy);
   enableAttributesOf<Scalarm>(layer.cm, *copy);
   vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(*copy, layer.cm);
+  copy->svn = layer.cm.svn;
+  copy->sfn = layer.cm.sfn;
   return copy;
 }
 
@@ -60,7 +62,8 @@ void fillLayer(MeshModel& layer, CMeshO& mesh, int mask) {
   enableAttributesOf<Point3m>(mesh, layer.cm);
   enableAttributesOf<Scalarm>(mesh, layer.cm);
   vcg::tri::Append<CMeshO, CMeshO>::MeshCopy(layer.cm, mesh);
-  layer.cm.svn = layer.cm.sfn = 0;
+  layer.cm.svn = mesh.svn;
+  layer.cm.sfn = mesh.sfn;
   layer.UpdateBoxAndNormals();
 }
 

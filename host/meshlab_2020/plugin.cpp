@@ -32,6 +32,7 @@ MeshFilterInterface::FilterClass Plugin::getClass(QAction* action) {
   if (has(Menu::MeshCreation)) result |= MeshCreation;
   if (has(Menu::VertexColoring)) result |= VertexColoring;
   if (has(Menu::Quality)) result |= Quality;
+  if (has(Menu::Cleaning)) result |= Cleaning;
   return static_cast<FilterClass>(result);
 }
 

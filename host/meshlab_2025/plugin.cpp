@@ -56,6 +56,7 @@ FilterPlugin::FilterClass Plugin::getClass(const QAction* action) const {
   if (has(Menu::MeshCreation)) result |= FilterPlugin::MeshCreation;
   if (has(Menu::VertexColoring)) result |= FilterPlugin::VertexColoring;
   if (has(Menu::Quality)) result |= FilterPlugin::Quality;
+  if (has(Menu::Cleaning)) result |= FilterPlugin::Cleaning;
   return static_cast<FilterClass>(result);
 }
 

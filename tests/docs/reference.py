@@ -22,6 +22,7 @@ from wrap_markdown import wrapped
 
 MENUS = {  # bits of FilterPlugin::FilterClass -> the menu under Filters
     0x00040: "Create New Mesh Layer",
+    0x00002: "Cleaning and Repairing",
     0x00004: "Remeshing, Simplification and Reconstruction",
     0x00200: "Mesh Layer",
     0x00010: "Color Creation and Processing",

@@ -31,17 +31,22 @@ Eigen::Matrix4d matrixFromVcg(const vcg::Matrix44<Scalar>& matrix) {
   return result;
 }
 
-/// The closed surface that a mesh stands for: deleted elements left out, the matrix applied.
+/// What a mesh holds, whether it is a surface or not, and where its vertices are in it.
+struct MeshContent {
+  Points vertices;
+  Triangles faces;
+  std::vector<int> meshVertex;  ///< #V: index into mesh.vert of each vertex
+};
+
+/// Deleted elements left out, the matrix applied.
 ///
 /// transform: an affine matrix, which maps mesh.vert[i].P() to where the layer is seen (its last
 /// row is taken as 0 0 0 1). One that mirrors (negative determinant) would turn the surface inside
 /// out: its faces are then reversed (corners 1 and 2 exchanged), so that what was outward stays
-/// outward. name: what errors call the surface (the layer's label). Throws SurfaceError as
-/// ClosedSurface does. Indices in its text count the elements that are not deleted.
+/// outward.
 template <class MeshType>
-MeshSurface surfaceFromMesh(const MeshType& mesh,
-                            const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity(),
-                            const std::string& name = "surface") {
+MeshContent contentOfMesh(const MeshType& mesh,
+                          const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity()) {
   const Eigen::Matrix3d linear = transform.topLeftCorner<3, 3>();
   const Vector3 translation = transform.topRightCorner<3, 1>();
   std::vector<int> compacted(mesh.vert.size(), -1), meshVertex;
@@ -69,7 +74,19 @@ MeshSurface surfaceFromMesh(const MeshType& mesh,
     ++count;
   }
   faces.conservativeResize(count, 3);
-  return {ClosedSurface(std::move(vertices), std::move(faces), name), std::move(meshVertex)};
+  return {std::move(vertices), std::move(faces), std::move(meshVertex)};
+}
+
+/// The closed surface that a mesh stands for; transform as above. name: what errors call the surface
+/// (the layer's label). Throws SurfaceError as ClosedSurface does. Indices in its text count the
+/// elements that are not deleted.
+template <class MeshType>
+MeshSurface surfaceFromMesh(const MeshType& mesh,
+                            const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity(),
+                            const std::string& name = "surface") {
+  MeshContent content = contentOfMesh(mesh, transform);
+  return {ClosedSurface(std::move(content.vertices), std::move(content.faces), name),
+          std::move(content.meshVertex)};
 }
 
 /// Makes `mesh` consist of these points and faces and nothing else, and updates its bounding box.

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-only
+// "Prepare surface": meshes as they come become closed surfaces, in their layers.
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "filter_sphere_propagation/filters.h"
+#include "filter_sphere_propagation/messages.h"
+#include "filter_sphere_propagation/reporting.h"
+#include "host/help.h"
+#include "vcg_ext/preparation/surface_preparation.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr host::Named<LidShape> lidShapes[]{{"Curved", LidShape::Curved}, {"Flat", LidShape::Flat}};
+constexpr const char* lidAttribute = "lid";
+
+PreparationParameters preparationOf(const host::ParameterValues& values) {
+  PreparationParameters parameters;
+  parameters.weld = values.flag("weld");
+  parameters.removeDuplicateFaces = values.flag("remove_duplicate_faces");
+  parameters.removeFins = values.flag("remove_fins");
+  parameters.keepLargestComponent = values.flag("keep_largest_component");
+  parameters.closeOpenings = values.flag("close_openings");
+  parameters.lid = values.choice("lid", lidShapes);
+  parameters.orient = values.flag("orient");
+  parameters.removeHandles = values.flag("remove_handles");
+  return parameters;
+}
+
+long lidVerticesOf(const PreparedMesh& mesh) {
+  return std::count_if(mesh.lid.begin(), mesh.lid.end(), [](int number) { return number > 0; });
+}
+
+/// "3 vertices welded; 1 opening closed".
+std::string stepsOf(const PreparedMesh& mesh) {
+  std::string text;
+  const auto add = [&text](long count, const std::string& words) {
+    if (count > 0) text += (text.empty() ? "" : "; ") + words;
+  };
+  const auto step = [&add](long count, const host::Message& message) {
+    add(count, host::said(message, count));
+  };
+  step(mesh.nonFiniteVertices, messages::droppedNonFinite);
+  step(mesh.weldedVertices, messages::welded);
+  step(mesh.unusedVertices, messages::droppedUnused);
+  step(mesh.duplicateFaces, messages::droppedDuplicates);
+  step(mesh.flatFaces, messages::mendedFlat);
+  add(mesh.sheets.edges, host::said(messages::separatedSheets, mesh.sheets.edges,
+                                    mesh.sheets.droppedFaces, mesh.sheets.splitVertices));
+  step(mesh.sheets.vertices, messages::separatedVertices);
+  step(mesh.dropped.parts, messages::droppedParts);
+  step(static_cast<long>(mesh.openings.size()), messages::closedOpenings);
+  step(mesh.turnedFaces, messages::turnedFaces);
+  add(mesh.handles, host::said(messages::removedHandles, mesh.handles, mesh.voxelSize));
+  return text;
+}
+
+std::string closureOf(const Opening& opening, LidShape shape) {
+  if (opening.newFaces == 0) return "laying them on each other";
+  if (opening.newVertices == 0) return counted(opening.newFaces, "face", "faces");
+  return std::string(shape == LidShape::Flat ? "a flat lid" : "a curved lid") + " of " +
+         counted(opening.newVertices, "new vertex", "new vertices");
+}
+
+void tellOfOpenings(const host::Task& task, const std::string& label, const PreparedMesh& mesh,
+                    LidShape shape) {
+  constexpr size_t most = 10;
+  std::vector<size_t> order(mesh.openings.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return mesh.openings[a].perimeter > mesh.openings[b].perimeter;
+  });
+  int rest = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    const Opening& opening = mesh.openings[order[i]];
+    if (i < most)
+      task.say(messages::opening, label, order[i] + 1, opening.edges, opening.perimeter,
+               closureOf(opening, shape));
+    else
+      rest += opening.edges;
+  }
+  if (order.size() > most) task.say(messages::moreOpenings, label, order.size() - most, rest);
+  if (const long count = lidVerticesOf(mesh); count > 0)
+    task.say(messages::lidsMarked, label, count);
+}
+
+/// What is stated of a surface, without its name.
+std::string withoutName(const Finding& finding) {
+  const std::string text = statement(finding, "layer");
+  const size_t at = text.find("\": ");
+  return at == std::string::npos ? text : text.substr(at + 3);
+}
+
+void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent& before,
+            const PreparedMesh& mesh, LidShape shape) {
+  const std::string label = layer.label();
+  if (mesh.changed)
+    task.say(messages::prepared, label, mesh.vertices.rows(), mesh.faces.rows(),
+             before.vertices.rows(), before.faces.rows(), stepsOf(mesh));
+  else
+    task.say(mesh.left ? messages::notPrepared : messages::nothingToPrepare, label);
+  tellOfOpenings(task, label, mesh, shape);
+  constexpr double large = 0.05;
+  if (mesh.dropped.largestShare > large)
+    task.sayOf(layer, messages::largePartDropped, 100 * mesh.dropped.largestShare);
+  if (mesh.left)
+    task.sayOf(layer,
+               mesh.left->fault == Fault::Handles ? messages::handlesLeft : messages::notClosedYet,
+               withoutName(*mesh.left));
+}
+
+/// One number per layer, by the names that scripts read.
+class PreparationFigures {
+ public:
+  explicit PreparationFigures(size_t layers) : layers_(static_cast<Eigen::Index>(layers)) {}
+
+  void set(size_t layer, const PreparedMesh& mesh, const MeshContent& before, double seconds) {
+    const auto put = [&](const char* name, double value) {
+      Eigen::VectorXd& row = figures_[name];
+      if (row.size() == 0) row = Eigen::VectorXd::Zero(layers_);
+      row[static_cast<Eigen::Index>(layer)] = value;
+    };
+    put("weld", mesh.weldedVertices + mesh.unusedVertices + mesh.nonFiniteVertices);
+    put("remove_duplicate_faces", mesh.duplicateFaces + mesh.flatFaces);
+    put("remove_fins", static_cast<double>(mesh.sheets.edges + mesh.sheets.vertices));
+    put("keep_largest_component", static_cast<double>(mesh.dropped.parts));
+    put("close_openings", static_cast<double>(mesh.openings.size()));
+    put("lid", static_cast<double>(lidVerticesOf(mesh)));
+    put("orient", mesh.turnedFaces);
+    put("remove_handles", mesh.handles);
+    put("closed", mesh.left ? 0 : 1);
+    put("vertices", static_cast<double>(mesh.vertices.rows()));
+    put("vertices_before", static_cast<double>(before.vertices.rows()));
+    put("seconds", seconds);
+    for (const Opening& opening : mesh.openings) {
+      openingLayer_.push_back(static_cast<double>(layer));
+      openingEdges_.push_back(opening.edges);
+      openingPerimeter_.push_back(opening.perimeter);
+    }
+  }
+
+  host::Outputs outputs() const {
+    host::Outputs outputs;
+    for (const auto& [name, row] : figures_) outputs[name] = row;
+    const auto list = [](const std::vector<double>& values) -> Eigen::VectorXd {
+      return Eigen::Map<const Eigen::VectorXd>(values.data(),
+                                               static_cast<Eigen::Index>(values.size()));
+    };
+    outputs["opening_layer"] = list(openingLayer_);
+    outputs["opening_edges"] = list(openingEdges_);
+    outputs["opening_perimeter"] = list(openingPerimeter_);
+    return outputs;
+  }
+
+ private:
+  Eigen::Index layers_;
+  std::map<std::string, Eigen::VectorXd> figures_;
+  std::vector<double> openingLayer_, openingEdges_, openingPerimeter_;
+};
+
+host::RemadeMesh remadeMesh(const PreparedMesh& mesh) {
+  host::RemadeMesh remade{mesh.vertices, mesh.faces, mesh.source, {}, {}, {}};
+  Eigen::VectorXd lid(static_cast<Eigen::Index>(mesh.lid.size()));
+  for (size_t v = 0; v < mesh.lid.size(); ++v) lid[static_cast<Eigen::Index>(v)] = mesh.lid[v];
+  remade.scalarAttributes[lidAttribute] = lid;
+  for (const int number : mesh.lid) remade.selectedVertices.push_back(number > 0);
+  for (const int number : mesh.faceLid) remade.selectedFaces.push_back(number > 0);
+  return remade;
+}
+
+class PreparationFilter : public host::Filter {
+ public:
+  host::FilterDescription describe() const override {
+    return help_.describe(host::Menu::Cleaning, host::Arity::VisibleLayers);
+  }
+
+  std::vector<host::Parameter> parameters(const host::Layers&) const override {
+    const PreparationParameters defaults;
+    return {
+        help_.parameter("all_visible", false),
+        help_.parameter("weld", defaults.weld),
+        help_.parameter("remove_duplicate_faces", defaults.removeDuplicateFaces),
+        help_.parameter("remove_fins", defaults.removeFins),
+        help_.parameter("keep_largest_component", defaults.keepLargestComponent),
+        help_.parameter("close_openings", defaults.closeOpenings),
+        help_.parameter("lid", host::choiceOf(lidShapes, defaults.lid)),
+        help_.parameter("orient", defaults.orient),
+        help_.parameter("remove_handles", defaults.removeHandles),
+    };
+  }
+
+  host::Outputs run(host::Task& task) const override {
+    const PreparationParameters parameters = preparationOf(task.values);
+    const std::vector<host::Layer> layers =
+        task.values.flag("all_visible") ? task.layers.visibleSurfaces()
+                                        : std::vector<host::Layer>{task.layers.current()};
+    PreparationFigures figures(layers.size());
+    for (size_t i = 0; i < layers.size(); ++i) {
+      const Stopwatch clock;
+      const MeshContent before = layers[i].content();
+      const auto share = [&](size_t done) {
+        return static_cast<double>(done) / static_cast<double>(layers.size());
+      };
+      const PreparedMesh mesh = preparedMesh(before.vertices, before.faces, parameters,
+                                             layers[i].label(),
+                                             part(task.progress, share(i), share(i + 1)));
+      tellOf(task, layers[i], before, mesh, parameters.lid);
+      figures.set(i, mesh, before, clock.seconds());
+      if (mesh.changed) task.changes.remakeMesh(layers[i], before, remadeMesh(mesh));
+    }
+    return figures.outputs();
+  }
+
+ private:
+  const host::Help help_{"apply_surface_preparation"};
+};
+
+}  // namespace
+
+std::unique_ptr<host::Filter> makePreparationFilter() {
+  return std::make_unique<PreparationFilter>();
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/preparation/surface_preparation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+
+namespace sphere_propagation::test {
+namespace {
+
+PreparedMesh prepared(const Mesh& mesh, const PreparationParameters& parameters = {}) {
+  return preparedMesh(mesh.vertices, mesh.faces, parameters, "heart");
+}
+
+/// Whether it is a closed surface now, with outward faces.
+testing::AssertionResult isClosed(const PreparedMesh& mesh) {
+  if (mesh.left) return testing::AssertionFailure() << statement(*mesh.left);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  if (enclosedVolume(mesh.vertices, mesh.faces) <= 0) return testing::AssertionFailure() << "inward";
+  return testing::AssertionSuccess();
+}
+
+/// Without the faces for which `drop` says so of their centre; vertices stay.
+Mesh without(Mesh mesh, const std::function<bool(const Vector3&)>& drop) {
+  Triangles kept(mesh.faces.rows(), 3);
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    Vector3 centre = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) centre += mesh.vertices.row(mesh.faces(f, k)).transpose() / 3;
+    if (!drop(centre)) kept.row(count++) = mesh.faces.row(f);
+  }
+  mesh.faces = kept.topRows(count);
+  return mesh;
+}
+
+Mesh both(const Mesh& a, const Mesh& b) {
+  Mesh mesh{Points(a.vertices.rows() + b.vertices.rows(), 3),
+            Triangles(a.faces.rows() + b.faces.rows(), 3)};
+  mesh.vertices << a.vertices, b.vertices;
+  mesh.faces << a.faces, b.faces.array() + static_cast<int>(a.vertices.rows());
+  return mesh;
+}
+
+Mesh moved(Mesh mesh, double x, double y, double z) {
+  mesh.vertices.rowwise() += Eigen::RowVector3d(x, y, z);
+  return mesh;
+}
+
+Mesh withFaces(Mesh mesh, const std::vector<std::array<int, 3>>& more) {
+  Triangles faces(mesh.faces.rows() + static_cast<Eigen::Index>(more.size()), 3);
+  faces.topRows(mesh.faces.rows()) = mesh.faces;
+  for (size_t i = 0; i < more.size(); ++i)
+    faces.row(mesh.faces.rows() + static_cast<Eigen::Index>(i)) << more[i][0], more[i][1],
+        more[i][2];
+  mesh.faces = faces;
+  return mesh;
+}
+
+/// Every face with three vertices of its own.
+Mesh soup(const Mesh& mesh) {
+  Mesh result{Points(3 * mesh.faces.rows(), 3), Triangles(mesh.faces.rows(), 3)};
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      result.vertices.row(3 * f + k) = mesh.vertices.row(mesh.faces(f, k));
+      result.faces(f, k) = static_cast<int>(3 * f + k);
+    }
+  return result;
+}
+
+/// A sphere cut off at the height z, where the nodes lie on it exactly: n round, rows below.
+Mesh bowl(double z, int around, int rows) {
+  Mesh mesh{Points(around * rows + 1, 3), Triangles(around * (2 * rows - 1), 3)};
+  const double end = std::acos(z);
+  for (int r = 0; r < rows; ++r)
+    for (int i = 0; i < around; ++i) {
+      const double t = end + (pi - end) * r / rows, p = 2 * pi * (i + 0.5 * r) / around;
+      mesh.vertices.row(r * around + i) << std::sin(t) * std::cos(p), std::sin(t) * std::sin(p),
+          std::cos(t);
+    }
+  mesh.vertices.row(around * rows) << 0, 0, -1;
+  Eigen::Index f = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int i = 0; i < around; ++i) {
+      const int a = r * around + i, b = r * around + (i + 1) % around;
+      if (r + 1 == rows) {
+        mesh.faces.row(f++) << a, around * rows, b;
+        continue;
+      }
+      const int c = a + around, d = b + around;
+      mesh.faces.row(f++) << a, c, b;
+      mesh.faces.row(f++) << b, c, d;
+    }
+  return mesh;
+}
+
+TEST(SurfacePreparation, LeavesAClosedSurfaceAlone) {
+  for (const Mesh& mesh : {tetrahedron(), icosphereMesh(5), box(3), tetrapod(4)}) {
+    const PreparedMesh result = prepared(mesh);
+    EXPECT_FALSE(result.changed);
+    EXPECT_EQ(result.vertices, mesh.vertices);
+    EXPECT_EQ(result.faces, mesh.faces);
+    EXPECT_TRUE(isClosed(result));
+  }
+}
+
+TEST(SurfacePreparation, WeldsSplitVertices) {
+  for (const Mesh& mesh : {icosphereMesh(4), box(3), cup(0.01, 24, 12)}) {
+    const PreparedMesh result = prepared(soup(mesh));
+    EXPECT_TRUE(isClosed(result));
+    EXPECT_EQ(result.vertices.rows(), mesh.vertices.rows());
+    EXPECT_EQ(result.weldedVertices, 3 * mesh.faces.rows() - mesh.vertices.rows());
+    EXPECT_TRUE(result.openings.empty());
+  }
+}
+
+TEST(SurfacePreparation, WeldsWhatSinglePrecisionKeepsApart) {
+  Mesh mesh = soup(moved(icosphereMesh(6), 900, -700, 400));
+  Random random(1);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+    for (int k = 0; k < 3; ++k) mesh.vertices(v, k) += random.uniform(-3e-5, 3e-5);
+  EXPECT_TRUE(isClosed(prepared(mesh)));
+  EXPECT_EQ(prepared(mesh).vertices.rows(), 362);
+}
+
+TEST(SurfacePreparation, KeepsTheSidesOfAThinWallApart) {
+  const Mesh thin = stretched(box(4), 1, 1, 1e-9);  // far below the tolerance
+  int seen = 0;
+  const PreparedMesh result = prepared(without(
+      thin, [&seen](const Vector3& c) { return c.z() > 0.9e-9 && c.x() > 0.3 && ++seen == 1; }));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.weldedVertices, 0);
+}
+
+TEST(SurfacePreparation, DropsWhatIsThereTwice) {
+  Mesh mesh = icosphereMesh(3);
+  std::vector<std::array<int, 3>> again;
+  for (int f = 0; f < 40; ++f) again.push_back({mesh.faces(f, 1), mesh.faces(f, 0), mesh.faces(f, 2)});
+  again.push_back({4, 4, 7});
+  const PreparedMesh result = prepared(withFaces(mesh, again));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.duplicateFaces, 41);
+  EXPECT_EQ(result.faces, mesh.faces);
+}
+
+TEST(SurfacePreparation, TakesASecondCopyOfEverythingAway) {
+  const Mesh mesh = icosphereMesh(3);
+  EXPECT_EQ(prepared(soup(both(mesh, mesh))).faces.rows(), mesh.faces.rows());
+  EXPECT_TRUE(isClosed(prepared(both(mesh, mesh))));
+}
+
+TEST(SurfacePreparation, MendsFacesWithoutArea) {
+  const PreparedMesh result = prepared(withZeroAreaFace());
+  EXPECT_TRUE(result.changed);
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.flatFaces, 1);
+  EXPECT_GT(faceAreas(result.vertices, result.faces).minCoeff(), 0.01);
+  EXPECT_NEAR(enclosedVolume(result.vertices, result.faces), 4.0 / 3, 1e-12);
+}
+
+TEST(SurfacePreparation, MendsAVertexOnAnEdge) {
+  // One of the two faces at edge 0-1 is split there, the other is not: a crack without width.
+  Mesh mesh = tetrahedron();
+  Eigen::Index f = 0;
+  int k = 0;
+  for (Eigen::Index g = 0; g < 4; ++g)
+    for (int j = 0; j < 3; ++j)
+      if (mesh.faces(g, j) == 0 && mesh.faces(g, (j + 1) % 3) == 1) f = g, k = j;
+  Points vertices(5, 3);
+  vertices << mesh.vertices, 0.5 * (mesh.vertices.row(0) + mesh.vertices.row(1));
+  mesh.vertices = vertices;
+  const int apex = mesh.faces(f, (k + 2) % 3);
+  mesh.faces(f, (k + 1) % 3) = 4;
+  const PreparedMesh result = prepared(withFaces(mesh, {{4, 1, apex}}));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.openings.size(), 1U);
+  EXPECT_GT(faceAreas(result.vertices, result.faces).minCoeff(), 0.01);
+}
+
+TEST(SurfacePreparation, RemovesAFin) {
+  Mesh mesh = box(4);
+  const Eigen::Index n = mesh.vertices.rows();
+  Points vertices(n + 1, 3);
+  vertices << mesh.vertices, Eigen::RowVector3d(1.5, 1.5, 1.5);
+  mesh.vertices = vertices;
+  const int f = 10;
+  const PreparedMesh result =
+      prepared(withFaces(mesh, {{mesh.faces(f, 0), mesh.faces(f, 1), static_cast<int>(n)},
+                                {static_cast<int>(n), mesh.faces(f, 1), mesh.faces(f, 2)}}));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.faces, mesh.faces);
+  EXPECT_EQ(result.sheets.edges, 2);
+  EXPECT_EQ(result.sheets.droppedFaces, 2);
+}
+
+TEST(SurfacePreparation, RemovesAFlangeRoundAnOpenSurface) {
+  Mesh mesh = bowl(0.4, 32, 12);
+  const int row = 5, n = static_cast<int>(mesh.vertices.rows());
+  Points vertices(n + 32, 3);
+  vertices.topRows(n) = mesh.vertices;
+  std::vector<std::array<int, 3>> flange;
+  for (int i = 0; i < 32; ++i) {
+    vertices.row(n + i) = 1.6 * mesh.vertices.row(32 * row + i);
+    const int j = (i + 1) % 32;
+    flange.push_back({32 * row + i, 32 * row + j, n + i});
+    flange.push_back({n + i, 32 * row + j, n + j});
+  }
+  const Eigen::Index wall = mesh.faces.rows();
+  mesh.vertices = vertices;
+  const PreparedMesh result = prepared(withFaces(mesh, flange));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.sheets.droppedFaces, 64);
+  EXPECT_EQ(result.faces.topRows(wall), mesh.faces);
+  EXPECT_EQ(result.openings.size(), 1U);
+}
+
+TEST(SurfacePreparation, RemovesAnInternalMembrane) {
+  Mesh mesh = bowl(0.6, 32, 16);
+  const int row = 7, n = static_cast<int>(mesh.vertices.rows());
+  Points vertices(n + 1, 3);
+  vertices << mesh.vertices, Eigen::RowVector3d(0, 0, mesh.vertices(32 * row, 2));
+  mesh.vertices = vertices;
+  std::vector<std::array<int, 3>> membrane;
+  for (int i = 0; i < 32; ++i) membrane.push_back({32 * row + i, 32 * row + (i + 1) % 32, n});
+  const PreparedMesh result = prepared(withFaces(mesh, membrane));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.sheets.edges, 32);
+  EXPECT_EQ(result.sheets.droppedFaces, 32);
+}
+
+TEST(SurfacePreparation, CutsBodiesThatShareAnEdgeApart) {
+  const Mesh box1 = box(2);
+  const Mesh box2 = moved(stretched(box(2), 0.5, 0.5, 1), 1, 1, 0);
+  const PreparedMesh result = prepared(soup(both(box1, box2)));  // welded, they share an edge
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.sheets.edges, 2);
+  EXPECT_EQ(result.sheets.droppedFaces, 0);
+  EXPECT_EQ(result.dropped.parts, 1);
+  EXPECT_NEAR(enclosedVolume(result.vertices, result.faces), 1, 1e-12);
+  EXPECT_TRUE(isClosed(prepared(nonManifoldEdge())));
+}
+
+TEST(SurfacePreparation, SeparatesSheetsThatTouchInAVertex) {
+  const PreparedMesh result = prepared(nonManifoldVertex());
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.sheets.vertices, 1);
+  EXPECT_EQ(result.dropped.parts, 1);
+}
+
+TEST(SurfacePreparation, OrientsFacesAlikeAndOutwards) {
+  EXPECT_EQ(prepared(flippedFace()).turnedFaces, 1);
+  EXPECT_EQ(prepared(inwardSphere()).turnedFaces, 20);
+  Mesh mesh = icosphereMesh(5);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); f += 3) std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
+  const PreparedMesh result = prepared(mesh);
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.turnedFaces, (mesh.faces.rows() + 2) / 3);
+}
+
+TEST(SurfacePreparation, ClosesACone) {
+  const PreparedMesh result = prepared(openCone());
+  EXPECT_TRUE(isClosed(result));
+  ASSERT_EQ(result.openings.size(), 1U);
+  EXPECT_EQ(result.openings[0].edges, 8);
+}
+
+TEST(SurfacePreparation, ClosesHolesOfAllSizes) {
+  for (const double z : {-0.5, 0.0, 0.5, 0.9, 0.99})
+    for (const LidShape shape : {LidShape::Curved, LidShape::Flat}) {
+      PreparationParameters parameters;
+      parameters.lid = shape;
+      const PreparedMesh result =
+          prepared(without(icosphereMesh(12), [z](const Vector3& c) { return c.z() > z; }),
+                   parameters);
+      EXPECT_TRUE(isClosed(result));
+      EXPECT_EQ(result.openings.size(), 1U);
+    }
+}
+
+TEST(SurfacePreparation, ContinuesASphere) {
+  PreparationParameters parameters;
+  for (const double z : {0.8, 0.4, 0.0}) {
+    const Mesh open = bowl(z, 48, 24);
+    const PreparedMesh curved = prepared(open);
+    ASSERT_TRUE(isClosed(curved));
+    double worst = 0, top = 0;
+    for (Eigen::Index v = 0; v < curved.vertices.rows(); ++v)
+      if (curved.lid[v] > 0) {
+        worst = std::max(worst, std::abs(curved.vertices.row(v).norm() - 1));
+        top = std::max(top, curved.vertices(v, 2));
+      }
+    std::cout << z << " worst " << worst << " top " << top << " new "
+              << curved.openings[0].newVertices << " volume "
+              << enclosedVolume(curved.vertices, curved.faces) << "\n";
+    parameters.lid = LidShape::Flat;
+    const PreparedMesh flat = prepared(open, parameters);
+    ASSERT_TRUE(isClosed(flat));
+    for (Eigen::Index v = 0; v < flat.vertices.rows(); ++v) {
+      if (flat.lid[v] > 0) {
+        EXPECT_NEAR(flat.vertices(v, 2), z, 1e-12);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sphere_propagation::test
