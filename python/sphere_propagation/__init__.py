@@ -41,6 +41,7 @@ from .filters import (
 from .model import ShapeModel
 from .nifti import write_nifti
 from .phantom import Ventricle
+from .preparation import PreparedSurface, prepare
 from .projects import write_layers
 from .sphere_map import SphereMap
 from .surface import Surface
@@ -54,6 +55,7 @@ __all__ = [
     "LabelSurfaces",
     "Landmarks",
     "PluginError",
+    "PreparedSurface",
     "Propagation",
     "ShapeModel",
     "SpherePropagationError",
@@ -67,6 +69,7 @@ __all__ = [
     "map_colors",
     "mesh_files",
     "parameterise_root",
+    "prepare",
     "propagate",
     "read_label_volume",
     "read_map",

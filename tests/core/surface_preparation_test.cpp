@@ -293,24 +293,174 @@ TEST(SurfacePreparation, ContinuesASphere) {
     const Mesh open = bowl(z, 48, 24);
     const PreparedMesh curved = prepared(open);
     ASSERT_TRUE(isClosed(curved));
-    double worst = 0, top = 0;
+    ASSERT_EQ(curved.openings.size(), 1U);
+    EXPECT_EQ(curved.openings[0].edges, 48);
+    EXPECT_NEAR(curved.openings[0].perimeter,
+                96 * std::sin(pi / 48) * std::sqrt(1 - z * z), 1e-9);
+    double top = 0;
     for (Eigen::Index v = 0; v < curved.vertices.rows(); ++v)
       if (curved.lid[v] > 0) {
-        worst = std::max(worst, std::abs(curved.vertices.row(v).norm() - 1));
+        EXPECT_LT(curved.vertices.row(v).norm(), 1.05);
         top = std::max(top, curved.vertices(v, 2));
       }
-    std::cout << z << " worst " << worst << " top " << top << " new "
-              << curved.openings[0].newVertices << " volume "
-              << enclosedVolume(curved.vertices, curved.faces) << "\n";
+    EXPECT_GT(top, z + 0.45 * (1 - z));
     parameters.lid = LidShape::Flat;
     const PreparedMesh flat = prepared(open, parameters);
     ASSERT_TRUE(isClosed(flat));
-    for (Eigen::Index v = 0; v < flat.vertices.rows(); ++v) {
+    for (Eigen::Index v = 0; v < flat.vertices.rows(); ++v)
       if (flat.lid[v] > 0) {
         EXPECT_NEAR(flat.vertices(v, 2), z, 1e-12);
       }
+  }
+}
+
+TEST(SurfacePreparation, MarksLidsAndKeepsTheWall) {
+  const Mesh open = bowl(0.3, 40, 20);
+  const PreparedMesh result = prepared(open);
+  const Eigen::Index n = open.vertices.rows();
+  EXPECT_EQ(result.vertices.topRows(n), open.vertices);
+  EXPECT_EQ(result.faces.topRows(open.faces.rows()), open.faces);
+  for (Eigen::Index v = 0; v < result.vertices.rows(); ++v) {
+    EXPECT_EQ(result.lid[v], v < n ? 0 : 1);
+    EXPECT_EQ(result.source[v], v < n ? v : -1);
+  }
+  // Triangles like those around.
+  const double wall = meanEdgeLength(open.vertices, open.faces);
+  const double lid =
+      meanEdgeLength(result.vertices, result.faces.bottomRows(result.faces.rows() - open.faces.rows()));
+  EXPECT_GT(lid, 0.5 * wall);
+  EXPECT_LT(lid, 1.5 * wall);
+  EXPECT_GT(result.openings[0].newVertices, 100);
+}
+
+TEST(SurfacePreparation, ClosesEachOfTwoOpeningsByItself) {
+  const PreparedMesh result = prepared(
+      without(icosphereMesh(10), [](const Vector3& c) { return std::fabs(c.z()) > 0.6; }));
+  EXPECT_TRUE(isClosed(result));
+  ASSERT_EQ(result.openings.size(), 2U);
+  EXPECT_EQ(std::set<int>(result.lid.begin(), result.lid.end()), (std::set<int>{0, 1, 2}));
+}
+
+TEST(SurfacePreparation, ClosesHolesThatTouch) {
+  // Two holes, one vertex of a rim in common.
+  const Mesh sphere = icosphereMesh(6);
+  const Vector3 p = sphere.vertices.row(100).transpose();
+  const Vector3 side = p.unitOrthogonal();
+  const PreparedMesh result = prepared(without(sphere, [&](const Vector3& c) {
+    const Vector3 d = c - p;
+    return d.norm() < 0.25 && std::fabs(d.dot(side)) > std::fabs(d.dot(p.cross(side)));
+  }));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_GE(result.openings.size(), 2U);
+}
+
+TEST(SurfacePreparation, NamesAWallWithoutItsRim) {
+  const Mesh outer = bowl(0.2, 32, 12);
+  Mesh inner = stretched(bowl(0.2, 32, 12), 0.8, 0.8, 0.8);
+  inner.faces.col(1).swap(inner.faces.col(2));
+  const PreparedMesh result = prepared(both(outer, inner));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.dropped.parts, 1);
+  EXPECT_NEAR(result.dropped.largestShare, 0.64, 1e-9);
+}
+
+TEST(SurfacePreparation, TurnsWithTheMesh) {
+  const Mesh open = without(noisyEllipsoid(3), [](const Vector3& c) { return c.x() > 8; });
+  const PreparedMesh here = prepared(open);
+  ASSERT_TRUE(isClosed(here));
+  const Eigen::Matrix3d rotation = randomRotation(4);
+  for (const double scale : {1.0, 1e-3, 1e4}) {
+    const PreparedMesh there = prepared(transformed(open, rotation, scale, Vector3(3, 4, 5) * scale));
+    ASSERT_EQ(there.faces, here.faces);
+    const Mesh meant = transformed({here.vertices, here.faces}, rotation, scale, Vector3(3, 4, 5) * scale);
+    EXPECT_LT(largestDistance(there.vertices, meant.vertices), 1e-6 * scale);
+  }
+  EXPECT_EQ(prepared(open).vertices, here.vertices);
+}
+
+TEST(SurfacePreparation, RemovesHandlesWhereAsked) {
+  PreparationParameters parameters;
+  EXPECT_EQ(prepared(torus()).left->fault, Fault::Handles);
+  parameters.removeHandles = true;
+  const PreparedMesh result = prepared(torus(), parameters);
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.handles, 1);
+  EXPECT_NEAR(enclosedVolume(result.vertices, result.faces) /
+                  enclosedVolume(torus().vertices, torus().faces),
+              1, 0.2);
+}
+
+TEST(SurfacePreparation, StepsThatAreOffDoNothing) {
+  PreparationParameters none;
+  none.weld = none.removeDuplicateFaces = none.removeFins = none.keepLargestComponent =
+      none.closeOpenings = none.orient = false;
+  for (const Mesh& mesh : {openCone(), nonManifoldEdge(), nonManifoldVertex(), twoSpheres(),
+                           flippedFace(), inwardSphere(), withUnreferencedVertex()}) {
+    const PreparedMesh result = prepared(mesh, none);
+    EXPECT_FALSE(result.changed);
+    EXPECT_TRUE(result.left);
+  }
+  PreparationParameters parameters;
+  parameters.orient = false;
+  const PreparedMesh result = prepared(without(flippedFace(), [](const Vector3& c) { return c.z() > 0.7; }), parameters);
+  ASSERT_TRUE(result.left);
+  EXPECT_EQ(result.left->fault, Fault::InconsistentOrientation);
+  EXPECT_EQ(result.left->count, 3);
+}
+
+TEST(SurfacePreparation, RefusesWhatHoldsNoSurface) {
+  EXPECT_THROW(prepared({octahedron().vertices, Triangles(0, 3)}), SurfaceError);
+  EXPECT_THROW(prepared({Points(0, 3), Triangles(0, 3)}), SurfaceError);
+  EXPECT_THROW(prepared(withFaces(octahedron(), {{0, 1, 6}})), SurfaceError);
+  const Mesh one{octahedron().vertices.topRows(3), Triangles{{0, 1, 2}}};
+  EXPECT_TRUE(prepared(one).left);
+}
+
+/// Anything: faces gone, there twice, turned, fins between any vertices, loose parts, split vertices.
+Mesh damaged(unsigned seed) {
+  Random random(seed);
+  Mesh mesh = noisyEllipsoid(seed);
+  const double lost = random.uniform(0, 0.2);
+  mesh = without(mesh, [&](const Vector3&) { return random.uniform() < lost; });
+  std::vector<std::array<int, 3>> more;
+  const int count = static_cast<int>(mesh.vertices.rows());
+  for (int i = random.index(60); i > 0; --i) {
+    const Eigen::Index f = random.index(static_cast<int>(mesh.faces.rows()));
+    const int a = mesh.faces(f, 0), b = mesh.faces(f, 1), c = mesh.faces(f, 2);
+    switch (random.index(4)) {
+      case 0:
+        more.push_back({b, a, c});
+        break;
+      case 1:
+        more.push_back({a, b, random.index(count)});
+        break;
+      case 2:
+        more.push_back({random.index(count), random.index(count), random.index(count)});
+        break;
+      default:
+        std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
     }
   }
+  mesh = withFaces(mesh, more);
+  if (seed % 3 == 0) mesh = soup(mesh);
+  return mesh;
+}
+
+TEST(SurfacePreparation, MakesAClosedSurfaceOfAnything) {
+  PreparationParameters parameters;
+  parameters.removeHandles = true;
+  int bad = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    parameters.lid = seed % 2 == 0 ? LidShape::Curved : LidShape::Flat;
+    const Mesh mesh = damaged(seed);
+    const PreparedMesh result = prepared(mesh, parameters);
+    EXPECT_TRUE(isClosed(result)) << "seed " << seed;
+    bad += result.left.has_value();
+    if (!result.left) {
+      EXPECT_FALSE(prepared({result.vertices, result.faces}).changed) << "seed " << seed;
+    }
+  }
+  EXPECT_EQ(bad, 0);
 }
 
 }  // namespace

@@ -18,11 +18,13 @@ REMESH = "generate_icosphere_remeshing"
 EVALUATE = "get_spherical_parameterisation_measures"
 SPHERES = "generate_sphere_layers"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
+PREPARE = "apply_surface_preparation"
 MODEL = "compute_statistical_shape_model"
-FILTERS = [PHANTOM, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR]
+FILTERS = [PHANTOM, PREPARE, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR]
 
 MENU_OF = {
     PHANTOM: "Beating ventricle phantom",
+    PREPARE: "Prepare surface",
     ROOT: "Spherical parameterise root",
     PROPAGATE: "Propagate parameterisation to layers",
     REMESH: "Remesh by icosphere",

@@ -12,6 +12,7 @@ from documents import (
     MENU_OF,
     MODEL,
     PHANTOM,
+    PREPARE,
     PROPAGATE,
     REMESH,
     ROOT,
@@ -30,6 +31,17 @@ from surfaces import egg
 # default.
 PARAMETERS = {
     PHANTOM: {"part": ["Cavity", "Wall"], "phases": 25, "voxel_size": 2.0, "twist": 0.0, "seed": 0},
+    PREPARE: {
+        "all_visible": False,
+        "weld": True,
+        "remove_duplicate_faces": True,
+        "remove_fins": True,
+        "keep_largest_component": True,
+        "close_openings": True,
+        "lid": ["Curved", "Flat"],
+        "orient": True,
+        "remove_handles": False,
+    },
     ROOT: {
         "initial_map": ["Automatic", "Brechbuehler", "Harmonic"],
         "area_weight": 0.9,
@@ -72,6 +84,23 @@ PARAMETERS = {
 
 RETURNED = {
     PHANTOM: {"layers", "vertices", "seconds"},
+    PREPARE: {
+        "weld",
+        "remove_duplicate_faces",
+        "remove_fins",
+        "keep_largest_component",
+        "close_openings",
+        "lid",
+        "orient",
+        "remove_handles",
+        "closed",
+        "vertices",
+        "vertices_before",
+        "opening_layer",
+        "opening_edges",
+        "opening_perimeter",
+        "seconds",
+    },
     ROOT: set(FIGURES),
     PROPAGATE: {
         "parent",

@@ -38,8 +38,9 @@ FILTERS = {  # menu entry -> menus that show it
         "Quality Measure and Computations",
     },
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
+    "Prepare surface": {"Cleaning and Repairing"},
 }
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:]
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-1]
 IMPORT = "Import label volume as layers"
 PHASES = [f"ventricle {i}" for i in range(5)]
 

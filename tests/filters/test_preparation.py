@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Prepare surface: meshes as they come get maps afterwards; what is clean is left alone."""
+
+import numpy as np
+import pymeshlab
+import pytest
+import surfaces
+from documents import PREPARE, ROOT, add, layers, refused, small_cycle, snapshot
+from surfaces import egg
+
+DEFECTS = {
+    "open": (surfaces.open_egg, {"close_openings": 1}),
+    "two parts": (surfaces.two_parts, {"keep_largest_component": 1}),
+    "crumb": (surfaces.small_second_part, {"keep_largest_component": 1}),
+    "fin": (surfaces.fin_on_an_edge, {"remove_fins": 1}),
+    "pinched": (surfaces.pinched_at_a_vertex, {"remove_fins": 1}),
+    "one face turned": (surfaces.one_face_turned, {"orient": 1}),
+    "half turned": (surfaces.half_the_faces_turned, {"orient": 140}),
+    "inside out": (surfaces.inside_out, {"orient": 280}),
+    "nan": (lambda: surfaces.with_coordinate(np.nan), {"weld": 1, "close_openings": 1}),
+    "unreferenced": (surfaces.unreferenced_vertices, {"weld": 2}),
+    "unwelded": (surfaces.unwelded, {"weld": 698}),
+    "a vertex twice": (surfaces.face_with_a_vertex_twice, {"remove_duplicate_faces": 1}),
+    "handle": (surfaces.torus, {"remove_handles": 1}),
+}
+STEPS = [
+    "weld",
+    "remove_duplicate_faces",
+    "remove_fins",
+    "keep_largest_component",
+    "close_openings",
+    "orient",
+    "remove_handles",
+]
+
+
+def cup(below=20.0):
+    """The egg without its upper end."""
+    v, f = egg()
+    return v, f[(v[f][:, :, 2] < below).all(axis=1)]
+
+
+@pytest.mark.parametrize("case", DEFECTS)
+def test_each_defect_is_mended_and_counted(case):
+    make, counts = DEFECTS[case]
+    ms = pymeshlab.MeshSet()
+    add(ms, *make(), "bad")
+    returned = ms.apply_filter(PREPARE, remove_handles=True)
+    assert returned["closed"] == 1
+    assert {s: int(returned[s][0]) for s in STEPS if returned[s][0]} == counts
+    assert ms.apply_filter(ROOT)["flipped_faces"] == 0
+    assert ms.apply_filter(PREPARE)["close_openings"] == 0
+
+
+def test_what_is_closed_is_left_alone():
+    ms = small_cycle(1)
+    before = snapshot(ms)
+    returned = ms.apply_filter(PREPARE)
+    assert snapshot(ms) == before
+    assert returned["closed"] == 1 and not any(returned[s][0] for s in STEPS)
+
+
+def test_lids_are_marked_and_the_wall_stays():
+    v, f = cup()
+    ms = pymeshlab.MeshSet()
+    colours = np.random.default_rng(0).integers(0, 256, (len(v), 4)) / 255
+    add(ms, v, f, "cup", v_color_matrix=colours)
+    returned = ms.apply_filter(PREPARE)
+    mesh = ms.current_mesh()
+    lid = mesh.vertex_custom_scalar_attribute_array("lid")
+    wall = np.unique(f)
+    assert (mesh.vertex_matrix()[lid == 0] == v[wall]).all()
+    assert (mesh.vertex_color_matrix()[lid == 0, :3] == colours[wall, :3]).all()
+    assert set(lid) == {0, 1} and returned["lid"] == (lid > 0).sum()
+    assert (mesh.vertex_selection_array() == (lid > 0)).all()
+    selected = mesh.face_selection_array()
+    assert not selected[: len(f)].any() and selected[len(f) :].all()
+    assert returned["opening_edges"] == [14] and returned["opening_layer"] == [0]
+    rim = v[np.isclose(v[:, 2], v[wall][:, 2].max())]
+    around = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).sum()
+    assert returned["opening_perimeter"] == pytest.approx([around])
+
+
+def test_a_flat_lid_is_flat_and_a_curved_one_is_not():
+    heights = {}
+    for lid in ("Flat", "Curved"):
+        ms = pymeshlab.MeshSet()
+        add(ms, *cup(), "cup")
+        ms.apply_filter(PREPARE, lid=lid)
+        made = ms.current_mesh().vertex_custom_scalar_attribute_array("lid") > 0
+        heights[lid] = ms.current_mesh().vertex_matrix()[made, 2]
+    rim = cup()[0][np.unique(cup()[1])][:, 2].max()
+    assert heights["Flat"] == pytest.approx(rim)
+    assert (heights["Curved"] > rim).all()
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_the_matrix_stays(mirror):
+    v, f = cup()
+    ms = pymeshlab.MeshSet()
+    add(ms, v, f, "cup")
+    matrix = np.diag([mirror * 2.0, 3, 4, 1])
+    matrix[:3, 3] = 5, 6, 7
+    ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    ms.apply_filter(PREPARE)
+    mesh = ms.current_mesh()
+    assert (mesh.transform_matrix() == matrix).all()
+    lid = mesh.vertex_custom_scalar_attribute_array("lid")
+    assert (mesh.vertex_matrix()[lid == 0] == v[np.unique(f)]).all()
+    assert mesh.vertex_matrix()[lid > 0, 2].min() > v[np.unique(f)][:, 2].max()
+    assert ms.apply_filter(ROOT)["flipped_faces"] == 0
+
+
+def test_all_visible_layers():
+    ms = pymeshlab.MeshSet()
+    for label, mesh in (("open", cup()), ("closed", egg()), ("hidden", cup()), ("two", cup(10))):
+        add(ms, *mesh, label)
+    ms.set_mesh_visibility(2, False)
+    returned = ms.apply_filter(PREPARE, all_visible=True)
+    assert list(returned["close_openings"]) == [1, 0, 1]
+    assert list(returned["opening_layer"]) == [0, 2]
+    assert [m.vertex_number() for m in layers(ms)][2] == len(cup()[0])
+
+
+def test_steps_that_are_off_do_nothing():
+    ms = pymeshlab.MeshSet()
+    add(ms, *surfaces.two_parts(), "two")
+    before = snapshot(ms)
+    returned = ms.apply_filter(PREPARE, keep_largest_component=False)
+    assert snapshot(ms) == before and returned["closed"] == 0
+
+
+def test_nothing_to_prepare_is_refused():
+    ms = pymeshlab.MeshSet()
+    add(ms, *surfaces.points_only(), "points")
+    with refused(ms, '"points"', "vertices but no faces"):
+        ms.apply_filter(PREPARE)
+
