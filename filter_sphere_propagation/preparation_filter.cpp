@@ -194,9 +194,9 @@ class PreparationFilter : public host::Filter {
 
   host::Outputs run(host::Task& task) const override {
     const PreparationParameters parameters = preparationOf(task.values);
-    const std::vector<host::Layer> layers =
-        task.values.flag("all_visible") ? task.layers.visibleSurfaces()
-                                        : std::vector<host::Layer>{task.layers.current()};
+    const std::vector<host::Layer> layers = task.values.flag("all_visible")
+                                                ? task.layers.visibleSurfaces()
+                                                : std::vector<host::Layer>{task.layers.current()};
     PreparationFigures figures(layers.size());
     for (size_t i = 0; i < layers.size(); ++i) {
       const Stopwatch clock;
@@ -204,9 +204,9 @@ class PreparationFilter : public host::Filter {
       const auto share = [&](size_t done) {
         return static_cast<double>(done) / static_cast<double>(layers.size());
       };
-      const PreparedMesh mesh = preparedMesh(before.vertices, before.faces, parameters,
-                                             layers[i].label(),
-                                             part(task.progress, share(i), share(i + 1)));
+      const PreparedMesh mesh =
+          preparedMesh(before.vertices, before.faces, parameters, layers[i].label(),
+                       part(task.progress, share(i), share(i + 1)));
       tellOf(task, layers[i], before, mesh, parameters.lid);
       figures.set(i, mesh, before, clock.seconds());
       if (mesh.changed) task.changes.remakeMesh(layers[i], before, remadeMesh(mesh));

@@ -29,10 +29,10 @@ struct NewLayer {
   LayerKind kind = LayerKind::Surface;
   Points vertices;
   Triangles faces;
-  std::optional<Colors> colors;                   ///< per vertex
-  std::optional<Eigen::VectorXd> quality;         ///< per vertex
-  std::map<std::string, Points> pointAttributes;  ///< per vertex
-  std::map<std::string, int> marks;               ///< see layers.h
+  std::optional<Colors> colors;                             ///< per vertex
+  std::optional<Eigen::VectorXd> quality;                   ///< per vertex
+  std::map<std::string, Points> pointAttributes;            ///< per vertex
+  std::map<std::string, int> marks;                         ///< see layers.h
   std::map<std::string, Eigen::VectorXd> scalarAttributes;  ///< per vertex
   std::vector<char> selectedVertices, selectedFaces;        ///< empty: none
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
@@ -42,9 +42,9 @@ struct NewLayer {
 
 /// What takes the place of a layer's mesh.
 struct RemadeMesh {
-  Points vertices;            ///< #V by 3, the layer's matrix applied
-  Triangles faces;            ///< #F by 3
-  std::vector<int> source;    ///< #V: the vertex of the former mesh in whose place each is; -1: none
+  Points vertices;          ///< #V by 3, the layer's matrix applied
+  Triangles faces;          ///< #F by 3
+  std::vector<int> source;  ///< #V: the vertex of the former mesh in whose place each is; -1: none
   std::map<std::string, Eigen::VectorXd> scalarAttributes;  ///< per vertex
   std::vector<char> selectedVertices, selectedFaces;        ///< empty: none
 };

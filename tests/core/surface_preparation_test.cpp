@@ -27,7 +27,8 @@ PreparedMesh prepared(const Mesh& mesh, const PreparationParameters& parameters 
 testing::AssertionResult isClosed(const PreparedMesh& mesh) {
   if (mesh.left) return testing::AssertionFailure() << statement(*mesh.left);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  if (enclosedVolume(mesh.vertices, mesh.faces) <= 0) return testing::AssertionFailure() << "inward";
+  if (enclosedVolume(mesh.vertices, mesh.faces) <= 0)
+    return testing::AssertionFailure() << "inward";
   return testing::AssertionSuccess();
 }
 
@@ -145,7 +146,8 @@ TEST(SurfacePreparation, KeepsTheSidesOfAThinWallApart) {
 TEST(SurfacePreparation, DropsWhatIsThereTwice) {
   Mesh mesh = icosphereMesh(3);
   std::vector<std::array<int, 3>> again;
-  for (int f = 0; f < 40; ++f) again.push_back({mesh.faces(f, 1), mesh.faces(f, 0), mesh.faces(f, 2)});
+  for (int f = 0; f < 40; ++f)
+    again.push_back({mesh.faces(f, 1), mesh.faces(f, 0), mesh.faces(f, 2)});
   again.push_back({4, 4, 7});
   const PreparedMesh result = prepared(withFaces(mesh, again));
   EXPECT_TRUE(isClosed(result));
@@ -261,7 +263,8 @@ TEST(SurfacePreparation, OrientsFacesAlikeAndOutwards) {
   EXPECT_EQ(prepared(flippedFace()).turnedFaces, 1);
   EXPECT_EQ(prepared(inwardSphere()).turnedFaces, 20);
   Mesh mesh = icosphereMesh(5);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); f += 3) std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); f += 3)
+    std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
   const PreparedMesh result = prepared(mesh);
   EXPECT_TRUE(isClosed(result));
   EXPECT_EQ(result.turnedFaces, (mesh.faces.rows() + 2) / 3);
@@ -279,9 +282,8 @@ TEST(SurfacePreparation, ClosesHolesOfAllSizes) {
     for (const LidShape shape : {LidShape::Curved, LidShape::Flat}) {
       PreparationParameters parameters;
       parameters.lid = shape;
-      const PreparedMesh result =
-          prepared(without(icosphereMesh(12), [z](const Vector3& c) { return c.z() > z; }),
-                   parameters);
+      const PreparedMesh result = prepared(
+          without(icosphereMesh(12), [z](const Vector3& c) { return c.z() > z; }), parameters);
       EXPECT_TRUE(isClosed(result));
       EXPECT_EQ(result.openings.size(), 1U);
     }
@@ -295,8 +297,7 @@ TEST(SurfacePreparation, ContinuesASphere) {
     ASSERT_TRUE(isClosed(curved));
     ASSERT_EQ(curved.openings.size(), 1U);
     EXPECT_EQ(curved.openings[0].edges, 48);
-    EXPECT_NEAR(curved.openings[0].perimeter,
-                96 * std::sin(pi / 48) * std::sqrt(1 - z * z), 1e-9);
+    EXPECT_NEAR(curved.openings[0].perimeter, 96 * std::sin(pi / 48) * std::sqrt(1 - z * z), 1e-9);
     double top = 0;
     for (Eigen::Index v = 0; v < curved.vertices.rows(); ++v)
       if (curved.lid[v] > 0) {
@@ -326,16 +327,16 @@ TEST(SurfacePreparation, MarksLidsAndKeepsTheWall) {
   }
   // Triangles like those around.
   const double wall = meanEdgeLength(open.vertices, open.faces);
-  const double lid =
-      meanEdgeLength(result.vertices, result.faces.bottomRows(result.faces.rows() - open.faces.rows()));
+  const double lid = meanEdgeLength(
+      result.vertices, result.faces.bottomRows(result.faces.rows() - open.faces.rows()));
   EXPECT_GT(lid, 0.5 * wall);
   EXPECT_LT(lid, 1.5 * wall);
   EXPECT_GT(result.openings[0].newVertices, 100);
 }
 
 TEST(SurfacePreparation, ClosesEachOfTwoOpeningsByItself) {
-  const PreparedMesh result = prepared(
-      without(icosphereMesh(10), [](const Vector3& c) { return std::fabs(c.z()) > 0.6; }));
+  const PreparedMesh result =
+      prepared(without(icosphereMesh(10), [](const Vector3& c) { return std::fabs(c.z()) > 0.6; }));
   EXPECT_TRUE(isClosed(result));
   ASSERT_EQ(result.openings.size(), 2U);
   EXPECT_EQ(std::set<int>(result.lid.begin(), result.lid.end()), (std::set<int>{0, 1, 2}));
@@ -370,9 +371,11 @@ TEST(SurfacePreparation, TurnsWithTheMesh) {
   ASSERT_TRUE(isClosed(here));
   const Eigen::Matrix3d rotation = randomRotation(4);
   for (const double scale : {1.0, 1e-3, 1e4}) {
-    const PreparedMesh there = prepared(transformed(open, rotation, scale, Vector3(3, 4, 5) * scale));
+    const PreparedMesh there =
+        prepared(transformed(open, rotation, scale, Vector3(3, 4, 5) * scale));
     ASSERT_EQ(there.faces, here.faces);
-    const Mesh meant = transformed({here.vertices, here.faces}, rotation, scale, Vector3(3, 4, 5) * scale);
+    const Mesh meant =
+        transformed({here.vertices, here.faces}, rotation, scale, Vector3(3, 4, 5) * scale);
     EXPECT_LT(largestDistance(there.vertices, meant.vertices), 1e-6 * scale);
   }
   EXPECT_EQ(prepared(open).vertices, here.vertices);
@@ -402,7 +405,8 @@ TEST(SurfacePreparation, StepsThatAreOffDoNothing) {
   }
   PreparationParameters parameters;
   parameters.orient = false;
-  const PreparedMesh result = prepared(without(flippedFace(), [](const Vector3& c) { return c.z() > 0.7; }), parameters);
+  const PreparedMesh result =
+      prepared(without(flippedFace(), [](const Vector3& c) { return c.z() > 0.7; }), parameters);
   ASSERT_TRUE(result.left);
   EXPECT_EQ(result.left->fault, Fault::InconsistentOrientation);
   EXPECT_EQ(result.left->count, 3);
@@ -416,7 +420,8 @@ TEST(SurfacePreparation, RefusesWhatHoldsNoSurface) {
   EXPECT_TRUE(prepared(one).left);
 }
 
-/// Anything: faces gone, there twice, turned, fins between any vertices, loose parts, split vertices.
+/// Anything: faces gone, there twice, turned, fins between any vertices, loose parts, split
+/// vertices.
 Mesh damaged(unsigned seed) {
   Random random(seed);
   Mesh mesh = noisyEllipsoid(seed);

@@ -135,4 +135,3 @@ def test_nothing_to_prepare_is_refused():
     add(ms, *surfaces.points_only(), "points")
     with refused(ms, '"points"', "vertices but no faces"):
         ms.apply_filter(PREPARE)
-

@@ -77,9 +77,9 @@ MeshContent contentOfMesh(const MeshType& mesh,
   return {std::move(vertices), std::move(faces), std::move(meshVertex)};
 }
 
-/// The closed surface that a mesh stands for; transform as above. name: what errors call the surface
-/// (the layer's label). Throws SurfaceError as ClosedSurface does. Indices in its text count the
-/// elements that are not deleted.
+/// The closed surface that a mesh stands for; transform as above. name: what errors call the
+/// surface (the layer's label). Throws SurfaceError as ClosedSurface does. Indices in its text
+/// count the elements that are not deleted.
 template <class MeshType>
 MeshSurface surfaceFromMesh(const MeshType& mesh,
                             const Eigen::Matrix4d& transform = Eigen::Matrix4d::Identity(),

@@ -148,8 +148,7 @@ DisjointSets::DisjointSets(int count) : parent_(static_cast<size_t>(count)) {
 
 int DisjointSets::find(int i) {
   while (parent_[i] != i) {
-    parent_[i] =
-        parent_[parent_[i]];
+    parent_[i] = parent_[parent_[i]];
     i = parent_[i];
   }
   return i;

@@ -13,7 +13,7 @@ struct BrokenMesh {
   Points vertices;          ///< #V by 3
   Triangles faces;          ///< #F by 3
   std::vector<int> source;  ///< #V: the vertex of the input that each was; -1: a new one
-  std::vector<int> lid;     ///< #V: the number of the opening (from 1) whose lid it belongs to, or 0
+  std::vector<int> lid;  ///< #V: the number of the opening (from 1) whose lid it belongs to, or 0
   std::vector<int> faceLid;    ///< #F: the same of faces
   std::vector<char> turned;    ///< #F: whether it looks the other way than in the input
   std::vector<int> separated;  ///< #V: the first of the vertices that one vertex was split into

@@ -32,7 +32,8 @@ LabelGrid volumeOf(const Points& vertices, const Triangles& faces, double size) 
   LabelGrid grid;
   grid.size = ((high - low) / size).array().ceil().cast<int>() + static_cast<int>(2 * border);
   grid.values.assign(grid.voxelCount(), 0);
-  const Vector3 origin = 0.5 * (low + high) - 0.5 * size * (grid.size.cast<double>().array() - 1).matrix();
+  const Vector3 origin =
+      0.5 * (low + high) - 0.5 * size * (grid.size.cast<double>().array() - 1).matrix();
   grid.toWorld.topLeftCorner<3, 3>() *= size;
   grid.toWorld.topRightCorner<3, 1>() = origin;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
@@ -41,8 +42,10 @@ LabelGrid volumeOf(const Points& vertices, const Triangles& faces, double size) 
     const Vector3 least = p[0].cwiseMin(p[1]).cwiseMin(p[2]),
                   most = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
     const Vector3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
-    for (int k = static_cast<int>(std::floor(least[2])); k <= static_cast<int>(std::ceil(most[2])); ++k)
-      for (int j = static_cast<int>(std::floor(least[1])); j <= static_cast<int>(std::ceil(most[1])); ++j) {
+    for (int k = static_cast<int>(std::floor(least[2])); k <= static_cast<int>(std::ceil(most[2]));
+         ++k)
+      for (int j = static_cast<int>(std::floor(least[1]));
+           j <= static_cast<int>(std::ceil(most[1])); ++j) {
         const Vector2 at(origin[1] + size * j, origin[2] + size * k);
         std::array<bool, 3> left{};
         for (int e = 0; e < 3; ++e)

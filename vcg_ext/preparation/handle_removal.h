@@ -11,12 +11,12 @@ namespace sphere_propagation {
 
 /// A surface made anew.
 struct RemadeSurface {
-  Points vertices;            ///< #V by 3
-  Triangles faces;            ///< #F by 3; closed, outward, genus 0, one part
-  std::vector<int> nearest;   ///< #V: the face of the former surface that is nearest
-  double voxelSize = 0;       ///< of the volume
-  long handles = 0;           ///< that it had
-  long changedVoxels = 0;     ///< to remove them
+  Points vertices;           ///< #V by 3
+  Triangles faces;           ///< #F by 3; closed, outward, genus 0, one part
+  std::vector<int> nearest;  ///< #V: the face of the former surface that is nearest
+  double voxelSize = 0;      ///< of the volume
+  long handles = 0;          ///< that it had
+  long changedVoxels = 0;    ///< to remove them
 };
 
 /// A closed surface of any genus becomes a volume (a voxel is inside where a ray leaves the surface

@@ -41,8 +41,8 @@ double bend(const Vector3& a, const Vector3& b) {
 /// Dynamic programming over the polygon's chords.
 class PolygonTriangulation {
  public:
-  /// polygon: indices of the rim's points; walls: of each edge of the polygon the unit normal of the
-  /// face on its other side, or zero.
+  /// polygon: indices of the rim's points; walls: of each edge of the polygon the unit normal of
+  /// the face on its other side, or zero.
   PolygonTriangulation(const Rim& rim, std::vector<int> polygon, std::vector<Vector3> walls,
                        bool withAngles)
       : rim_(rim),
@@ -171,7 +171,8 @@ class LidMesh {
       }
     if (shape_ == LidShape::Curved) placeAsPlate();
     Lid lid{Points(count() - rimSize_, 3), Triangles(static_cast<Eigen::Index>(faces_.size()), 3)};
-    for (int v = rimSize_; v < count(); ++v) lid.vertices.row(v - rimSize_) = points_[v].transpose();
+    for (int v = rimSize_; v < count(); ++v)
+      lid.vertices.row(v - rimSize_) = points_[v].transpose();
     for (size_t f = 0; f < faces_.size(); ++f)
       for (int k = 0; k < 3; ++k) lid.faces(static_cast<Eigen::Index>(f), k) = faces_[f][k];
     return lid;

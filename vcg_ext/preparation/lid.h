@@ -15,11 +15,11 @@ enum class LidShape {
 
 /// An opening as its lid sees it.
 struct Rim {
-  Points points;                ///< #R by 3, counter-clockwise seen from outside the surface
-  Points wall;                  ///< #R by 3: normal of the face at the edge from point i to i + 1
-  Eigen::VectorXd spacing;      ///< #R: length of the edges around, which the lid's are to have
-  Points onward;                ///< #R by 3: unit vectors along which the surface would go on; for
-                                ///< curved lids
+  Points points;            ///< #R by 3, counter-clockwise seen from outside the surface
+  Points wall;              ///< #R by 3: normal of the face at the edge from point i to i + 1
+  Eigen::VectorXd spacing;  ///< #R: length of the edges around, which the lid's are to have
+  Points onward;            ///< #R by 3: unit vectors along which the surface would go on; for
+                            ///< curved lids
   std::function<bool(int i, int j)> joined;  ///< whether an edge joins two points already
 };
 
@@ -28,16 +28,16 @@ struct Lid {
   Triangles faces;  ///< its indices: first the rim's points, then the new vertices
 };
 
-/// P. Liepa, Filling holes in meshes, Symposium on Geometry Processing 2003: the rim is triangulated
-/// (G. Barequet and M. Sharir, Filling gaps in the boundary of a polyhedron, CAGD 12(2), 1995) with
-/// the smallest largest angle between neighbouring faces and among those the smallest area, by
-/// dynamic programming; for flat lids by area alone. Rims of more than 200 points first as a polygon
-/// of some 100 of them, then between these. Triangles are split until they are as small as those
-/// around, and edges flipped to be Delaunay. Then the new vertices are placed: of a flat lid such
-/// that it is a membrane in the rim (Dirichlet energy), of a curved one such that, with a strip of
-/// the wall that stands for the surface around, it is a thin plate (squared Laplacian; M. Botsch and
-/// L. Kobbelt, An intuitive framework for real-time freeform modeling, 2004). Cotangent weights, made
-/// anew three times as the lid takes its shape.
+/// P. Liepa, Filling holes in meshes, Symposium on Geometry Processing 2003: the rim is
+/// triangulated (G. Barequet and M. Sharir, Filling gaps in the boundary of a polyhedron, CAGD
+/// 12(2), 1995) with the smallest largest angle between neighbouring faces and among those the
+/// smallest area, by dynamic programming; for flat lids by area alone. Rims of more than 200 points
+/// first as a polygon of some 100 of them, then between these. Triangles are split until they are
+/// as small as those around, and edges flipped to be Delaunay. Then the new vertices are placed: of
+/// a flat lid such that it is a membrane in the rim (Dirichlet energy), of a curved one such that,
+/// with a strip of the wall that stands for the surface around, it is a thin plate (squared
+/// Laplacian; M. Botsch and L. Kobbelt, An intuitive framework for real-time freeform modeling,
+/// 2004). Cotangent weights, made anew three times as the lid takes its shape.
 ///
 /// No edge of the lid joins two points that are joined already; where that leaves no triangulation,
 /// all points are joined to one at their middle.

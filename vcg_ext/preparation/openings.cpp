@@ -157,8 +157,7 @@ Points onwardOf(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>
     onward.row(i) = away.stableNormalized().transpose();
   }
   onward = smoothedRound(onward, static_cast<int>(std::min<Eigen::Index>(n / 2, 2 + n / 20)));
-  for (Eigen::Index i = 0; i < n; ++i)
-    onward.row(i) = onward.row(i).eval().stableNormalized();
+  for (Eigen::Index i = 0; i < n; ++i) onward.row(i) = onward.row(i).eval().stableNormalized();
   return onward;
 }
 
@@ -171,7 +170,8 @@ Rim rimOf(const BrokenMesh& mesh, const Rims& rims, const Ring& ring, const std:
     result.wall.row(i) =
         areaVector(mesh.vertices, mesh.faces, ring[i] / 3).stableNormalized().transpose();
     double sum = 0;
-    for (const int w : rims.neighbours(rim[i])) sum += (mesh.vertex(w) - mesh.vertex(rim[i])).norm();
+    for (const int w : rims.neighbours(rim[i]))
+      sum += (mesh.vertex(w) - mesh.vertex(rim[i])).norm();
     result.spacing[i] = sum / static_cast<double>(rims.neighbours(rim[i]).size());
   }
   // Where a cut left tiny edges the lid is to be as fine as the wall, not as those.

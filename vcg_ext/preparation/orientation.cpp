@@ -46,8 +46,8 @@ DroppedSurfaces keepLargestSurface(BrokenMesh& mesh) {
   if (parts.size() < 2) return dropped;
   std::vector<double> areas;
   for (const std::vector<int>& part : parts) areas.push_back(areaOf(mesh, part));
-  const size_t largest = static_cast<size_t>(
-      std::max_element(areas.begin(), areas.end()) - areas.begin());
+  const size_t largest =
+      static_cast<size_t>(std::max_element(areas.begin(), areas.end()) - areas.begin());
   dropped.parts = static_cast<long>(parts.size()) - 1;
   for (size_t i = 0; i < parts.size(); ++i)
     if (i != largest && areas[largest] > 0)
@@ -92,7 +92,8 @@ void orientOutwards(BrokenMesh& mesh) {
     centre /= 3.0 * static_cast<double>(part.size());
     double volume = 0;
     for (const int f : part)
-      volume += areaVector(mesh.vertices, mesh.faces, f).dot(mesh.vertex(mesh.faces(f, 0)) - centre);
+      volume +=
+          areaVector(mesh.vertices, mesh.faces, f).dot(mesh.vertex(mesh.faces(f, 0)) - centre);
     if (volume < 0)
       for (const int f : part) turnFace(mesh, f);
   }

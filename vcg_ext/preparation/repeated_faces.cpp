@@ -51,8 +51,8 @@ class FlatFaceRound {
 
   bool untouched(int v) const {
     const std::vector<int> around = neighbours(v);
-    return !touched_[v] && std::none_of(around.begin(), around.end(),
-                                        [this](int w) { return touched_[w] != 0; });
+    return !touched_[v] &&
+           std::none_of(around.begin(), around.end(), [this](int w) { return touched_[w] != 0; });
   }
 
   bool mend(int f) {
@@ -172,8 +172,8 @@ int dropRepeatedFaces(BrokenMesh& mesh) {
 bool isFlat(const Points& vertices, const Triangles& faces, int f) {
   double longest = 0;
   for (int k = 0; k < 3; ++k)
-    longest = std::max(longest, (vertices.row(faces(f, k)) - vertices.row(faces(f, (k + 1) % 3)))
-                                    .squaredNorm());
+    longest = std::max(
+        longest, (vertices.row(faces(f, k)) - vertices.row(faces(f, (k + 1) % 3))).squaredNorm());
   constexpr double height = 1e-9;
   return !(areaVector(vertices, faces, f).norm() > height * longest);
 }

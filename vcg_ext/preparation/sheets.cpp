@@ -98,8 +98,9 @@ class Sheets {
     if (weight > 0) centre /= weight;
     double volume = 0;
     for (const int f : members)
-      volume += (turned_[f] ? -1 : 1) * areaVector(mesh_.vertices, mesh_.faces, f)
-                                            .dot(mesh_.vertex(mesh_.faces(f, 0)) - centre);
+      volume +=
+          (turned_[f] ? -1 : 1) *
+          areaVector(mesh_.vertices, mesh_.faces, f).dot(mesh_.vertex(mesh_.faces(f, 0)) - centre);
     if (volume < 0)
       for (const int f : members) turned_[f] = !turned_[f];
     ++count_;
@@ -133,9 +134,9 @@ int dropCheapestSheets(BrokenMesh& mesh) {
   for (const int e : sheets.crowded()) {
     const std::vector<Blade> blades = sheets.bladesAt(e);
     const int h = blades[0].halfEdge;
-    const double edgeLength = (mesh.vertex(mesh.faces(h / 3, h % 3)) -
-                               mesh.vertex(mesh.faces(h / 3, (h + 1) % 3)))
-                                  .norm();
+    const double edgeLength =
+        (mesh.vertex(mesh.faces(h / 3, h % 3)) - mesh.vertex(mesh.faces(h / 3, (h + 1) % 3)))
+            .norm();
     size_t one = 0, other = 1;
     double flattest = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < blades.size(); ++i)
@@ -183,8 +184,8 @@ std::vector<std::array<int, 2>> paired(const std::vector<Blade>& blades) {
              std::tie(o.ofDifferentSheets, o.alike, o.opening, o.one, o.other);
     }
   };
-  const auto forward = std::count_if(blades.begin(), blades.end(),
-                                     [](const Blade& b) { return b.forward; });
+  const auto forward =
+      std::count_if(blades.begin(), blades.end(), [](const Blade& b) { return b.forward; });
   const bool balanced = 2 * static_cast<size_t>(forward) == blades.size();
   std::vector<Pair> pairs;
   for (size_t i = 0; i < blades.size(); ++i)

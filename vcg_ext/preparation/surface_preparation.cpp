@@ -69,8 +69,7 @@ PreparedMesh preparedMesh(const Points& vertices, const Triangles& faces,
   if (!parameters.weld) {
     spared.assign(mesh.source.size(), 1);
     for (int f = 0; f < mesh.faceCount(); ++f)
-      for (int k = 0; k < 3; ++k)
-        spared[faces(f, k)] = 0;
+      for (int k = 0; k < 3; ++k) spared[faces(f, k)] = 0;
   }
   result.nonFiniteVertices = dropNonFiniteVertices(mesh);
   result.duplicateFaces = dropFoldedFaces(mesh);

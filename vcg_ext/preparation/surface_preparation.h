@@ -17,36 +17,36 @@ namespace sphere_propagation {
 struct PreparationParameters {
   bool weld = true;  ///< vertices on open edges that lie in one place, see weldOpenEdges; vertices
                      ///< without faces are dropped
-  bool removeDuplicateFaces = true;   ///< and faces without area
-  bool removeFins = true;             ///< see separateSheets
-  bool keepLargestComponent = true;   ///< by area
-  bool closeOpenings = true;          ///< see closeOpenings
+  bool removeDuplicateFaces = true;  ///< and faces without area
+  bool removeFins = true;            ///< see separateSheets
+  bool keepLargestComponent = true;  ///< by area
+  bool closeOpenings = true;         ///< see closeOpenings
   LidShape lid = LidShape::Curved;
   bool orient = true;          ///< faces alike, and outwards
-  bool removeHandles = false;  ///< where there are any, see withoutHandles: the whole surface is then
-                               ///< a new one
+  bool removeHandles = false;  ///< where there are any, see withoutHandles: the whole surface is
+                               ///< then a new one
 };
 
 /// A surface after its preparation, and what was done.
 struct PreparedMesh {
-  Points vertices;          ///< #V by 3
-  Triangles faces;          ///< #F by 3
-  std::vector<int> source;  ///< #V: the vertex of the input, in whose place it is; -1: a new one
-  std::vector<int> lid;     ///< #V: number (from 1) of the opening whose lid it belongs to, or 0
+  Points vertices;           ///< #V by 3
+  Triangles faces;           ///< #F by 3
+  std::vector<int> source;   ///< #V: the vertex of the input, in whose place it is; -1: a new one
+  std::vector<int> lid;      ///< #V: number (from 1) of the opening whose lid it belongs to, or 0
   std::vector<int> faceLid;  ///< #F: the same; faces of lids may have all corners on the rim
 
-  bool changed = false;     ///< false: it was closed and clean, and is as it was
+  bool changed = false;       ///< false: it was closed and clean, and is as it was
   int nonFiniteVertices = 0;  ///< dropped with their faces, whatever was asked for
-  int weldedVertices = 0;   ///< merged into others
-  int unusedVertices = 0;   ///< that no face used
-  int duplicateFaces = 0;   ///< dropped, those that use one vertex twice with them
-  int flatFaces = 0;        ///< without area, mended
+  int weldedVertices = 0;     ///< merged into others
+  int unusedVertices = 0;     ///< that no face used
+  int duplicateFaces = 0;     ///< dropped, those that use one vertex twice with them
+  int flatFaces = 0;          ///< without area, mended
   SeparatedSheets sheets;
   DroppedSurfaces dropped;
   int turnedFaces = 0;
   std::vector<Opening> openings;
-  int handles = 0;            ///< removed
-  double voxelSize = 0;       ///< of the volume in which they were
+  int handles = 0;              ///< removed
+  double voxelSize = 0;         ///< of the volume in which they were
   std::optional<Finding> left;  ///< why it is no ClosedSurface yet; nothing where it is one
 };
 
