@@ -13,7 +13,10 @@ DEFECTS = {
     "two parts": (surfaces.two_parts, {"keep_largest_component": 1}),
     "crumb": (surfaces.small_second_part, {"keep_largest_component": 1}),
     "fin": (surfaces.fin_on_an_edge, {"remove_fins": 1}),
-    "pinched": (surfaces.pinched_at_a_vertex, {"remove_fins": 1}),
+    "pinched": (
+        surfaces.pinched_at_a_vertex,
+        {"remove_fins": 1, "keep_largest_component": 1},
+    ),
     "one face turned": (surfaces.one_face_turned, {"orient": 1}),
     "half turned": (surfaces.half_the_faces_turned, {"orient": 140}),
     "inside out": (surfaces.inside_out, {"orient": 280}),

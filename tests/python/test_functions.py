@@ -8,7 +8,7 @@ import numpy as np
 import pymeshlab
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import filters, parameters
+from sphere_propagation import filters, parameters, preparation
 from sphere_propagation.surface import distinct_names
 
 # Function -> its filter, and the parameters of the filter that it does not have, with the reason.
@@ -27,6 +27,7 @@ FUNCTIONS = {
         {"store_area_ratio", "landmark_layers"},
     ),  # nor is there quality, nor landmark layers
     sp.make_phantom: (filters.PHANTOM, set()),
+    sp.prepare: (preparation.PREPARE, {"all_visible"}),  # there is one
 }
 CHOICES = {
     "initial_map": parameters.INITIAL_MAPS,
@@ -36,6 +37,7 @@ CHOICES = {
     "pattern": filters.PATTERNS,
     "alignment": filters.ALIGNMENTS,
     "coordinates": filters.COORDINATES,
+    "lid": preparation.LIDS,
 }
 
 
@@ -91,6 +93,7 @@ def test_choices_are_the_filters(parameter, cycle, egg_file):
             cycle.landmarks, cycle.landmark_faces, alignment=value
         ),
         "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
+        "lid": lambda value: sp.prepare(cycle.surfaces[0], lid=value),
         "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4),
     }[parameter]
     for choice in CHOICES[parameter]:

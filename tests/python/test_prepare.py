@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Prepare surface on arrays."""
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+
+
+@pytest.fixture(scope="module")
+def heart():
+    return sp.make_phantom(phases=1, voxel_size=4)[0]
+
+
+def opened(surface):
+    """Without its upper quarter, as soup: every face has vertices of its own."""
+    corners = surface.vertices[surface.faces]
+    height = corners[:, :, 2].max(1)
+    corners = corners[height < np.quantile(height, 0.75)]
+    return sp.Surface(
+        corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), "open", "RAS"
+    )
+
+
+def test_an_open_ventricle_gets_a_map(heart):
+    prepared = sp.prepare(opened(heart))
+    surface, figures = prepared
+    assert (surface.name, surface.space) == ("open", "RAS")
+    assert figures["closed"] == 1 and figures["close_openings"] == 1
+    assert figures["weld"] == len(opened(heart).vertices) - (prepared.lid == 0).sum()
+    assert figures["lid"] == (prepared.lid > 0).sum() > 10
+    assert len(figures["opening_edges"]) == len(figures["opening_perimeter"]) == 1
+    assert prepared.lid_faces.sum() == len(surface.faces) - len(opened(heart).faces)
+    assert sp.parameterise_root(surface).figures["flipped_faces"] == 0
+
+
+def test_what_is_closed_comes_back(heart):
+    prepared = sp.prepare(heart)
+    assert prepared.surface is heart
+    assert not prepared.lid.any() and not prepared.lid_faces.any()
+    assert prepared.figures["closed"] == 1
+
+
+def test_what_is_left_is_a_warning(heart):
+    with pytest.warns(sp.SpherePropagationWarning, match="no closed surface yet: it is not closed"):
+        prepared = sp.prepare(opened(heart), close_openings=False)
+    assert prepared.figures["closed"] == 0 and prepared.surface.volume > 0
+
+
+def test_nothing_to_prepare():
+    with pytest.raises(sp.FilterError, match="no faces"):
+        sp.prepare((np.zeros((4, 3)), np.zeros((0, 3), int)))
