@@ -28,8 +28,11 @@ namespace {
 
 constexpr host::Named<Coordinates> frames[]{{"RAS", Coordinates::Ras}, {"LPS", Coordinates::Lps}};
 
-/// Phases whose surface lacks more than this share of the label's volume are named in the log.
+// Shares of the label's volume that deserve a look: what its surface lacks, since the label is
+// thin; what lies between the two anyway; what went with smaller parts.
 constexpr double maxLoss = 0.1;
+constexpr double maxDifference = 0.05;
+constexpr double maxDropped = 0.01;
 
 std::string millilitres(double cubicMillimetres) {
   char buffer[32];
@@ -164,8 +167,7 @@ class ImportFilter : public host::Filter {
         try {
           VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
           task.log(name + ": " + sphere_propagation::describe(surface));
-          if (const double loss = lostShare(surface); loss > maxLoss)
-            task.tell(remark(name, volume_messages::thinLabel, std::lround(100 * loss)));
+          warn(task, name, surface);
           figures.emplace_back(surface, phase, stopwatch.seconds());
           addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
         } catch (const AbsentLabelError& error) {
@@ -215,10 +217,26 @@ class ImportFilter : public host::Filter {
     std::array<double, 11> values;
   };
 
+  static double droppedShare(const VolumeSurface& surface) {
+    return static_cast<double>(surface.dropped.voxels) / static_cast<double>(surface.workingVoxels);
+  }
+
+  /// What the user should know about a phase's surface; usually nothing.
+  static void warn(const host::Task& task, const std::string& name, const VolumeSurface& surface) {
+    const double loss = lostShare(surface);
+    if (loss > maxLoss)
+      task.sayOf(name, volume_messages::thinLabel, std::lround(100 * loss));
+    else if (std::abs(loss) > maxDifference && surface.interpolatedSlices == 0)
+      task.sayOf(name, volume_messages::volumesDiffer, 100 * std::abs(loss));
+    if (droppedShare(surface) > maxDropped)
+      task.sayOf(name, volume_messages::partsDropped, 100 * droppedShare(surface));
+    if (surface.interpolatedSlices > 0)
+      task.sayOf(name, volume_messages::slicesInterpolated, surface.interpolatedSlices);
+  }
+
   /// How much of what was kept of the label its surface does not enclose.
   static double lostShare(const VolumeSurface& surface) {
-    const double kept = 1 - static_cast<double>(surface.dropped.voxels) /
-                                static_cast<double>(surface.workingVoxels);
+    const double kept = 1 - droppedShare(surface);
     return 1 - surface.volume / (surface.labelVolume * kept);
   }
 

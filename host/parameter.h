@@ -87,13 +87,15 @@ class ParameterValues {
   virtual std::string file(const std::string& name) const = 0;     ///< a path; empty: none chosen
   virtual std::string newFile(const std::string& name) const = 0;  ///< a path; empty: none
 
-  /// The value chosen from the list that the parameter was made of. Throws Refusal when it is none
-  /// of them.
+  /// The value chosen from the list that the parameter was made of. Throws ParameterError when it
+  /// is none of them.
   template <class Enum, size_t N>
   Enum choice(const std::string& name, const Named<Enum> (&all)[N]) const {
     const int chosen = index(name);
     if (chosen < 0 || static_cast<size_t>(chosen) >= N)
-      throw Refusal(messages::noSuchChoice, name, chosen, N - 1);
+      throw ParameterError(fill(messages::noSuchChoice.text, [&](std::string_view gap) {
+        return gap == "1" ? name : gap == "2" ? std::to_string(chosen) : std::to_string(N - 1);
+      }));
     return all[chosen].value;
   }
 };

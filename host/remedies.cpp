@@ -52,7 +52,8 @@ std::string_view remedyWithEntries(Fault fault) {
     case Fault::NonManifoldEdge:
       return "Repair them with <Repair non Manifold Edges>, then <Close Holes>.";
     case Fault::NotClosed:
-      return "Close it with <Close Holes>.";
+      return "Close it with <Close Holes>, whose largest size to be closed must be {low} or "
+             "more; it is 30 unless it is set.";
     case Fault::NotWelded:
       return ": unify them with <Remove Duplicate Vertices>; close what is still open with <Close "
              "Holes>.";
@@ -126,11 +127,14 @@ std::string_view remedyWithEntries(Fault fault) {
 }
 
 /// The statement and what to do about it, which may go on with its last clause.
-std::string joined(const std::string& statement, Fault fault, Host host) {
-  if (fault == Fault::Text) return statement;  // a text of its own, with its full stop
-  const std::string remedy = remedyOf(fault, host);
+std::string joined(const std::string& statement, const std::string& remedy) {
   if (remedy.empty()) return statement + ".";
   return statement + (remedy.front() == ':' ? "" : ". ") + remedy;
+}
+
+/// What pages show for a gap.
+std::string dots(std::string_view gap) {
+  return gap == "Noun" ? "Layer" : gap == "noun" ? "layer" : gap == "nouns" ? "layers" : "…";
 }
 
 }  // namespace
@@ -166,11 +170,15 @@ std::string withMenuEntries(const std::string& text, Host host) {
 }
 
 std::string remedyOf(Fault fault, Host host) {
-  return withMenuEntries(std::string(remedyWithEntries(fault)), host);
+  return fill(withMenuEntries(std::string(remedyWithEntries(fault)), host), dots);
 }
 
 std::string sentence(const Error& error, Host host) {
-  return joined(statement(error.finding(), "layer"), error.fault(), host);
+  const Finding& finding = error.finding();
+  const std::string text = statement(finding, "layer");
+  if (finding.fault == Fault::Text) return text;  // with its full stop
+  const std::string remedy = withMenuEntries(std::string(remedyWithEntries(finding.fault)), host);
+  return joined(text, fill(remedy, finding, "layer"));
 }
 
 std::string complaint(const Error& error, Host host) {
@@ -180,10 +188,7 @@ std::string complaint(const Error& error, Host host) {
 }
 
 std::string outline(Fault fault, Host host) {
-  const std::string text = fill(sentenceOf(fault), [](std::string_view gap) -> std::string {
-    return gap == "Noun" ? "Layer" : gap == "noun" ? "layer" : gap == "nouns" ? "layers" : "…";
-  });
-  return joined(text, fault, host);
+  return joined(fill(sentenceOf(fault), dots), remedyOf(fault, host));
 }
 
 }  // namespace sphere_propagation::host

@@ -30,15 +30,15 @@ struct MenuEntry {
 constexpr int menuEntryCount = 15;
 extern const std::array<MenuEntry, menuEntryCount> menuEntries;
 
-/// `Layer "heart": it is not closed: 3 edges have a face on one side only, the first at face 12.
-/// Close it with "Close Holes".`
+/// `Layer "heart": it is empty. Load a closed triangle mesh into this layer, or hide or delete the
+/// layer.`
 std::string sentence(const Error& error, Host host = thisHost());
 
 /// The same without the name of the surface, for where it was named.
 std::string complaint(const Error& error, Host host = thisHost());
 
-/// What to do about a fault; empty where its statement says all. It goes on with the statement
-/// where it begins with a colon.
+/// What to do about a fault, with "…" for what varies; empty where its statement says all. It goes
+/// on with the statement where it begins with a colon.
 std::string remedyOf(Fault fault, Host host);
 
 /// The sentence with "…" for what varies, as the pages show it.

@@ -47,7 +47,8 @@ FOR_ARRAYS = {
     ),
     "NotClosed": (
         "Close it with",
-        "Faces are missing there: meshing_close_holes of a pymeshlab.MeshSet makes them.",
+        "Faces are missing there: meshing_close_holes of a pymeshlab.MeshSet makes them, with a "
+        "maxholesize above that number of edges; it is 30 unless it is given.",
     ),
     "NotWelded": (
         ": unify them with",

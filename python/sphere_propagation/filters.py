@@ -14,7 +14,6 @@ from typing import Dict, List, Optional, Sequence, Union
 import numpy as np
 
 from . import adapters, layers, plugin
-from .attention import warn
 from .errors import FilterError, InputError
 from .model import ShapeModel
 from .parameters import DEFAULTS, Parents, whole_numbers
@@ -38,9 +37,6 @@ COORDINATES = ("RAS", "LPS")
 # Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
 # no only after the maps were made. A test asks it.
 MAX_LANDMARKS = 20_000_000
-# Of a surface's volume against that of its voxels, as a share; more deserves a look.
-MAX_VOLUME_ERROR = 0.05
-MAX_DROPPED_SHARE = 0.05  # of the voxels, in smaller parts
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
 
@@ -157,7 +153,6 @@ def read_label_volume(
     )
     del figures["layers"]
     surfaces = [replace(layers.surface_of(mesh), space=coordinates) for mesh in meshes]
-    _warn_of_changed_labels(surfaces, figures)
     return LabelSurfaces(surfaces, figures)
 
 
@@ -167,38 +162,6 @@ def _import(meshes, file, **parameters) -> Figures:
             return layers.apply(meshes, IMPORT, file_name=path, **parameters)
         except FilterError as error:
             raise FilterError(IMPORT, str(error).replace(path, name)) from error.__cause__
-
-
-def _warn_of_changed_labels(surfaces: Sequence[Surface], figures: Figures) -> None:
-    """What the filter says of every phase in its log, which Python does not get: how many phases
-    deserve a look, and which most."""
-
-    def worst_and_warn(amounts: np.ndarray, deserving: np.ndarray, words: str) -> None:
-        count = int(deserving.sum())
-        if count:
-            worst = int(np.argmax(np.where(deserving, amounts, -np.inf)))
-            others = f" (and {count - 1} phase{'s' * (count > 2)} less so)" if count > 1 else ""
-            warn(f"{surfaces[worst].name}{others}: {amounts[worst]:.3g} {words}.")
-
-    thin = figures["thin"] > 0
-    kept = figures["label_volume"] * (1 - figures["dropped_share"])
-    loss = 1 - figures["volume"] / kept
-    comparable = ~thin & (figures["interpolated_slices"] == 0)
-    worst_and_warn(
-        100 * np.abs(loss),
-        comparable & (np.abs(loss) > MAX_VOLUME_ERROR),
-        "% lie between the volume of the surface and that of its voxels",
-    )
-    worst_and_warn(
-        100 * figures["dropped_share"],
-        figures["dropped_share"] > MAX_DROPPED_SHARE,
-        "% of the label's voxels were dropped with its smaller parts",
-    )
-    worst_and_warn(
-        figures["interpolated_slices"],
-        figures["interpolated_slices"] > 0,
-        "slices without the label were interpolated",
-    )
 
 
 def parameterise_root(

@@ -47,7 +47,8 @@ TEST(ClosedSurface, EveryFaultHasItsError) {
   expectFault(nonManifoldEdge(), Fault::NonManifoldEdge, 1, 0,
               "1 edge has more than two faces, the first at face 0");
   expectFault(openCone(), Fault::NotClosed, 8, 0,
-              "it is not closed: 8 edges have a face on one side only, the first at face 0");
+              "it is not closed: 8 edges have a face on one side only, the first at face 0; they "
+              "surround 1 opening, the largest of 8 edges");
   expectFault(flippedFace(), Fault::InconsistentOrientation, 3, 4,
               "its faces are not oriented alike: 3 edges lie between faces of opposite "
               "orientation, the first at face 4");
@@ -88,6 +89,52 @@ TEST(ClosedSurface, SeveralOfOneFault) {
   mesh.faces = Triangles(mesh.faces.topRows(19));
   EXPECT_EQ(errorOf(mesh).fault(), Fault::NotClosed);
   EXPECT_EQ(errorOf(mesh).finding().count, 3);
+}
+
+TEST(ClosedSurface, OpeningsAreCountedAndMeasured) {
+  // One face is gone, and all around a vertex that shares none with it.
+  Mesh mesh = icosahedron();
+  const int apex = mesh.faces(0, 0);
+  Triangles kept(mesh.faces.rows(), 3);
+  int count = 0, single = -1;
+  for (int f = 0; f < mesh.faces.rows(); ++f) {
+    if ((mesh.faces.row(f).array() == apex).any()) continue;
+    kept.row(count++) = mesh.faces.row(f);
+  }
+  const auto touchesRing = [&](int f) {
+    for (int g = 0; g < mesh.faces.rows(); ++g)
+      if ((mesh.faces.row(g).array() == apex).any())
+        for (int k = 0; k < 3; ++k)
+          if ((kept.row(f).array() == mesh.faces(g, k)).any()) return true;
+    return false;
+  };
+  for (int f = 0; f < count && single < 0; ++f)
+    if (!touchesRing(f)) single = f;
+  ASSERT_GE(single, 0);
+  kept.row(single) = kept.row(count - 1);
+  mesh.faces = kept.topRows(count - 1);
+  EXPECT_EQ(errorOf(mesh).finding().count, 8);
+  EXPECT_EQ(errorOf(mesh).finding().others, 2);
+  EXPECT_EQ(errorOf(mesh).finding().value, 5);
+
+  // The same where faces are not oriented alike, and where two openings meet in a vertex.
+  for (int f = 0; f < mesh.faces.rows(); f += 2) std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
+  EXPECT_EQ(errorOf(mesh).finding().others, 2);
+  EXPECT_EQ(errorOf(mesh).finding().value, 5);
+  mesh = octahedron();  // two faces that share nothing but a vertex
+  Triangles rest(6, 3);
+  count = 0;
+  int opposite = -1;
+  for (int f = 1; f < 8 && opposite < 0; ++f) {
+    int shared = 0;
+    for (int k = 0; k < 3; ++k) shared += (mesh.faces.row(0).array() == mesh.faces(f, k)).any();
+    if (shared == 1) opposite = f;
+  }
+  for (int f = 1; f < 8; ++f)
+    if (f != opposite) rest.row(count++) = mesh.faces.row(f);
+  mesh.faces = rest;
+  EXPECT_EQ(errorOf(mesh).finding().others, 1);  // one way round both, as MeshLab goes it
+  EXPECT_EQ(errorOf(mesh).finding().value, 6);
 }
 
 TEST(ClosedSurface, FaceSoupIsToldFromAHole) {

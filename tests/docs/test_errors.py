@@ -79,6 +79,14 @@ def test_menu_entries_are_those_of_pymeshlab(plugin):
         assert named[entry["python"]] == entry["name"]
 
 
+def test_menu_entries_in_messages_are_known():
+    """Those in angle brackets are spelled as each host has them."""
+    named = {entry["name"] for entry in catalogue()["entries"]}
+    for file in PROJECT.glob("*/messages.def"):
+        text = re.sub(r'"\n\s*"', "", file.read_text())
+        assert set(re.findall(r"<(?!=)([^<>]+)>", text)) <= named
+
+
 def test_every_remedy_has_its_counterpart_for_arrays():
     """And is known by its first words, which stand in no other message."""
     pymeshlab_says = faults("PyMeshLab")

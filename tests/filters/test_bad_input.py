@@ -2,6 +2,7 @@
 """Bad input: each case is refused with an error that says what is wrong and what mends it, and
 changes nothing; or it works."""
 
+import re
 import resource
 
 import numpy as np
@@ -38,7 +39,13 @@ SELECT_NAN = ("Conditional Vertex Selection", {"condSelect": "x-x+y-y+z-z != 0"}
 DEFECTS = {
     "not closed": (
         surfaces.open_egg,
-        ["it is not closed", "3 edges have a face on one side only", "the first at face"],
+        [
+            "it is not closed",
+            "3 edges have a face on one side only",
+            "the first at face",
+            "1 opening, the largest of 3 edges",
+            "must be 4 or more",
+        ],
         ["Close Holes"],
     ),
     "two parts": (surfaces.two_parts, ["2 separate parts", "vertex 142"], None),
@@ -149,6 +156,22 @@ def add_decorated(ms, v, f, label):
     mesh.add_vertex_custom_scalar_attribute(random.random(len(v)), "number_of_the_user")
     ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="x > 0")
     return mesh
+
+
+def test_the_size_that_is_named_closes_the_holes():
+    """Larger than MeshLab's default, and no larger than need be."""
+    vertices, faces = egg(10, 91)
+    fans = [0, len(vertices) - 1]
+    faces = faces[~np.isin(faces, fans).any(1)]
+    ms = pymeshlab.MeshSet()
+    add(ms, vertices[1:-1], faces - 1, "open at both ends")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="2 openings, the largest of 91") as e:
+        ms.apply_filter(ROOT)
+    size = int(re.search(r"must be (\d+) or more", str(e.value))[1])
+    ms.meshing_close_holes(maxholesize=size - 1)
+    assert ms.current_mesh().face_number() == len(faces)
+    ms.meshing_close_holes(maxholesize=size)
+    assert ms.apply_filter(ROOT)["flipped_faces"] == 0
 
 
 # ------------------------------------------------ meshes that are no closed surfaces

@@ -191,6 +191,7 @@ def test_hidden_and_transformed_layers(server, measure, surfaces, tmp_path):
     run = server("-p", project, "-s", SCRIPTS / "main_job.mlx", *outputs, folder=tmp_path)
     assert run.code == 0, run.output[-3000:]
     assert "ventricle_2.ply: 1002 landmarks" not in run.output
+    assert "Warning: ventricle_1.ply: it lies in another pose" in run.output
     matrix = np.reshape(turn, (4, 4))
     for i, m in enumerate([np.eye(4), matrix]):
         points = measure.points(measure.read_ply(tmp_path / f"landmarks_{i}.ply")[0])

@@ -2,6 +2,7 @@
 """Surfaces that are refused: the advice is for arrays, and following it helps."""
 
 import numpy as np
+import pymeshlab
 import pytest
 import sphere_propagation as sp
 
@@ -79,3 +80,20 @@ def test_vertices_that_are_not_finite():
     vertices[[3, 8]] = np.nan
     text = refusal(vertices, faces)
     assert list(np.flatnonzero(advised(text, "~np", vertices=vertices))) == [3, 8]
+
+
+def test_an_opening():
+    """meshing_close_holes closes those of fewer edges than its maxholesize."""
+    vertices, faces = egg()
+    apex = faces[0, 0]
+    rim = int((faces == apex).any(axis=1).sum())
+    faces = faces[(faces != apex).all(axis=1)]
+    used, index = np.unique(faces, return_inverse=True)
+    vertices, faces = vertices[used], index.reshape(-1, 3)
+    text = refusal(vertices, faces)
+    assert f"1 opening, the largest of {rim} edges" in text
+    assert "with a maxholesize above that number of edges" in text
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+    meshes.meshing_close_holes(maxholesize=rim + 1)
+    assert taken(meshes.current_mesh().vertex_matrix(), meshes.current_mesh().face_matrix())

@@ -42,7 +42,7 @@ constexpr std::array<Entry, faultCount> entries{
           SURFACE "{count|edge has|edges have} more than two faces, the first at face {first}"),
     FAULT(NotClosed, SURFACE
           "it is not closed: {count|edge has|edges have} a face on one side only, the first at "
-          "face {first}"),
+          "face {first}; they surround {others|opening|openings}, the largest of {value} edges"),
     FAULT(NotWelded, SURFACE
           "it is not closed: {count|edge has|edges have} a face on one side only, the first at "
           "face {first}. {others|vertex lies|vertices lie} exactly where another one lies"),

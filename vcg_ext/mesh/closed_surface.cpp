@@ -45,6 +45,11 @@ void requireFinite(const Points& vertices, const std::string& name) {
   if (bad.count > 0) fail(name, Fault::NonFiniteCoordinate, bad);
 }
 
+struct Openings {
+  long count = 0;
+  long edgesOfLargest = 0;
+};
+
 /// Checks a mesh step by step, and finds out how it hangs together on the way.
 class Inspection {
  public:
@@ -70,6 +75,7 @@ class Inspection {
   void connectEdges();
   void connectVertices();
   void checkTopology() const;
+  Openings openings() const;
   int vertexCount() const { return static_cast<int>(vertices_.rows()); }
   int faceCount() const { return static_cast<int>(faces_.rows()); }
   int origin(int h) const { return mesh_.origin(h); }
@@ -144,11 +150,43 @@ void Inspection::connectEdges() {
   if (crowded.count > 0) fail(name_, Fault::NonManifoldEdge, crowded);
   if (open.count > 0) {
     const long coincident = coincidentVertices(vertices_);
-    throw SurfaceError(Finding(coincident > 0 ? Fault::NotWelded : Fault::NotClosed, name_)
+    if (coincident > 0)
+      throw SurfaceError(
+          Finding(Fault::NotWelded, name_).of(open.count, open.first).amid(coincident));
+    const Openings around = openings();
+    const auto edges = static_cast<double>(around.edgesOfLargest);
+    throw SurfaceError(Finding(Fault::NotClosed, name_)
                            .of(open.count, open.first)
-                           .amid(coincident));
+                           .amid(around.count)
+                           .at(edges, edges + 1));
   }
   if (opposed.count > 0) fail(name_, Fault::InconsistentOrientation, opposed);
+}
+
+/// Walks round each opening, from edge to edge across the fan of faces between them, which need not
+/// be oriented alike. No edge has more than two faces.
+Openings Inspection::openings() const {
+  Openings found;
+  std::vector<char> seen(twin_.size(), 0);
+  for (size_t start = 0; start < twin_.size(); ++start) {
+    if (twin_[start] >= 0 || seen[start] != 0) continue;
+    long edges = 0;
+    int h = static_cast<int>(start), v = target(h);
+    while (seen[static_cast<size_t>(h)] == 0) {
+      seen[static_cast<size_t>(h)] = 1;
+      ++edges;
+      // The other edge of the same face at v, and across it to the next, until there is none.
+      const auto otherAt = [this](int edge, int vertex) {
+        return target(edge) == vertex ? Connectivity::next(edge) : previous(edge);
+      };
+      h = otherAt(h, v);
+      while (twin_[static_cast<size_t>(h)] >= 0) h = otherAt(twin_[static_cast<size_t>(h)], v);
+      v = origin(h) == v ? target(h) : origin(h);
+    }
+    ++found.count;
+    found.edgesOfLargest = std::max(found.edgesOfLargest, edges);
+  }
+  return found;
 }
 
 void Inspection::connectVertices() {
