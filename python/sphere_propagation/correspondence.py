@@ -19,6 +19,9 @@ from .parameters import (
     CorrespondenceParameters,
     Parents,
     parent_numbers,
+    real_number,
+    require_choice,
+    whole_number,
 )
 from .progress import SILENT, Silent
 from .sphere_map import MapLike, SphereMap, as_map
@@ -170,22 +173,19 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         ("order", ORDERS),
         ("initial_map", INITIAL_MAPS),
     ):
-        value = getattr(parameters, name)
-        if value not in choices:
-            raise InputError(
-                f"{name} must be one of {', '.join(map(repr, choices))}, not {value!r}."
-            )
+        require_choice(name, getattr(parameters, name), choices)
     for name in ("area_weight", "area_restoration"):
-        value = getattr(parameters, name)
+        value = real_number(name, getattr(parameters, name), finite=False)
         if not 0 <= value <= 1:
             raise InputError(f"{name} must lie between 0 and 1, not at {value}.")
     max_frequency = int(((MAX_LANDMARKS / count - 2) / 10) ** 0.5)
-    if not 1 <= parameters.frequency <= max_frequency:
+    frequency = whole_number("frequency", parameters.frequency)
+    if not 1 <= frequency <= max_frequency:
         raise InputError(
             f"frequency must lie between 1 and {max_frequency} for {count} surfaces, not at "
-            f"{parameters.frequency}."
+            f"{frequency}."
         )
-    root = parameters.root
+    root = None if parameters.root is None else whole_number("root", parameters.root)
     if root is not None and not 0 <= root < count:
         raise InputError(
             f"Layer {root} cannot be the root: layers are numbered from 0 to {count - 1}."
@@ -195,7 +195,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         if root is not None and root != given:
             raise InputError(f"Layer {root} cannot be the root: parents say that layer {given} is.")
         root = given
-    return replace(parameters, root=root)
+    return replace(parameters, root=root, frequency=frequency)
 
 
 def _root_of(parents: Parents, count: int) -> int:

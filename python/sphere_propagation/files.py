@@ -15,6 +15,7 @@ import numpy as np
 from . import filters, layers, readers
 from .attention import warn
 from .errors import FileError, InputError
+from .parameters import path_of
 from .sphere_map import SphereMap
 from .surface import Surface, array_of
 from .turns import turn
@@ -80,7 +81,7 @@ def _inputs(files: List[Path]) -> List[Path]:
 def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
     """kinds: suffixes; a folder stands for the first kind that it has."""
     found: List[Path] = []
-    given = [_path(path) for path in paths]
+    given = [path_of(path) for path in paths]
     given = _inputs(given) or given
     if len({re.sub(r"\d+", "#", str(path)) for path in given}) == 1:
         given.sort(key=lambda path: _natural(str(path)))
@@ -216,7 +217,7 @@ def read_map(path) -> SphereMap:
 def _reading(path) -> Iterator[Path]:
     """A file that is there. While one is read no other thread is at it: PyMeshLab goes to the
     file's folder, where relative paths mean something else."""
-    path = _path(path)
+    path = path_of(path)
     with turn(f"Reading {path}"):
         if path.is_dir():
             raise FileError(f"{path} is a folder: read_meshes takes all meshes in it.")
@@ -225,13 +226,6 @@ def _reading(path) -> Iterator[Path]:
         if is_label_volume(path):
             raise FileError(f"{path} is a label volume: read_label_volume makes surfaces of it.")
         yield path
-
-
-def _path(path) -> Path:
-    try:
-        return Path(path)
-    except TypeError as error:
-        raise InputError(f"A path must be a text, not {type(path).__name__}.") from error
 
 
 def _load(path: Path):
@@ -290,7 +284,7 @@ def write_ply(
     """A binary PLY file of floats. colors: (n, 3) in [0, 1]; texture: the map as (n, 2) texture
     coordinates; space: RAS or LPS, the frame of the vertices, which the file says as 3D Slicer
     reads it; scalars: more numbers per vertex, by name."""
-    surface = Surface(vertices, faces, _path(path).stem, space)
+    surface = Surface(vertices, faces, path_of(path).stem, space)
     vertices, faces, count = surface.vertices, surface.faces, len(surface.vertices)
     columns = [(name, "<f4", vertices[:, k]) for k, name in enumerate("xyz")]
     if colors is not None:
@@ -304,6 +298,8 @@ def write_ply(
         columns += [
             (name, "<f4", texture[:, k]) for k, name in enumerate(("texture_u", "texture_v"))
         ]
+    if scalars is not None and not isinstance(scalars, Mapping):
+        raise InputError(f"scalars must be a dictionary, not {type(scalars).__name__}.")
     for name, values in (scalars or {}).items():
         values = _per_vertex(name, values, (count,))
         columns.append((_property(name, [name for name, _, _ in columns]), "<f4", values))
@@ -313,7 +309,7 @@ def write_ply(
     face = np.empty(len(faces), [("count", "u1"), ("indices", "<i4", 3)])
     face["count"], face["indices"] = 3, faces
     words = {"<f4": "float", "u1": "uchar"}
-    header = ["ply", "format binary_little_endian 1.0", f"comment SPACE={space or 'RAS'}"]
+    header = ["ply", "format binary_little_endian 1.0", f"comment SPACE={surface.space or 'RAS'}"]
     header += [f"element vertex {len(vertex)}"]
     header += [f"property {words[kind]} {name}" for name, kind, _ in columns]
     header += [

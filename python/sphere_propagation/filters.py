@@ -16,9 +16,9 @@ import numpy as np
 from . import adapters, layers, plugin
 from .errors import FilterError, InputError
 from .model import ShapeModel
-from .parameters import DEFAULTS, Parents, whole_numbers
+from .parameters import DEFAULTS, Parents, listed, whole_number, whole_numbers
 from .sphere_map import MapLike, SphereMap, as_map
-from .surface import Surface, SurfaceLike, as_surface, as_surfaces
+from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces
 
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
@@ -135,7 +135,7 @@ def read_label_volume(
     text = (
         labels if isinstance(labels, str) else ",".join(map(str, whole_numbers("labels", labels)))
     )
-    if file_series and not adapters.is_path(file):
+    if file_series is True and not adapters.is_path(file):
         raise InputError("file_series reads the files beside one: it takes a file.")
     figures = _import(
         meshes,
@@ -225,6 +225,7 @@ def propagate(
     """
     surfaces = as_surfaces(surfaces)
     root_map = as_map(root_map)
+    root_layer = whole_number("root_layer", root_layer)
     if not 0 <= root_layer < len(surfaces):
         raise InputError(
             f"Layer {root_layer} cannot be the root: layers are numbered from 0 to "
@@ -371,7 +372,7 @@ def shape_model(
 def _landmark_meshes(
     points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]]
 ) -> List[Surface]:
-    points = np.asarray(points)
+    points, faces = array_of("Landmarks", points), array_of("faces", faces)
     if points.ndim != 3 or points.shape[2] != 3 or points.dtype.kind not in "fiu":
         raise InputError(
             f"Landmarks must be numbers of shape (shapes, landmarks, 3), not {points.dtype} of "
@@ -386,7 +387,7 @@ def _landmark_meshes(
             f"{points.shape[1]} landmarks with faces of shape {np.shape(faces)} are not those "
             "that remesh gives: 10 f^2 + 2 landmarks and (20 f^2, 3) faces."
         )
-    names = [f"shape {k}" for k in range(len(points))] if names is None else list(names)
+    names = [f"shape {k}" for k in range(len(points))] if names is None else listed("names", names)
     if len(names) != len(points):
         raise InputError(f"{len(points)} shapes need as many names, not {len(names)}.")
     return [Surface(shape, faces, name) for shape, name in zip(points, names)]
@@ -454,6 +455,7 @@ def make_phantom(
 
 
 def _maps_of(surfaces: Sequence[Surface], maps: Sequence[MapLike]) -> Dict[int, SphereMap]:
+    maps = listed("maps", maps)
     if len(surfaces) != len(maps):
         raise InputError(f"{len(surfaces)} surfaces need as many maps, not {len(maps)}.")
     return {i: as_map(positions) for i, positions in enumerate(maps)}

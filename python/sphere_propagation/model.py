@@ -9,6 +9,8 @@ from typing import Dict, List
 import numpy as np
 
 from .errors import InputError
+from .parameters import real_number, whole_number
+from .surface import array_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +55,8 @@ class ShapeModel:
 
     def shape(self, scores) -> np.ndarray:
         """The shape, (landmarks, 3), with these scores along the first modes."""
-        scores = np.atleast_1d(np.asarray(scores, float))
-        if scores.ndim != 1 or len(scores) > len(self.modes):
+        scores = np.atleast_1d(array_of("scores", scores))
+        if scores.ndim != 1 or scores.dtype.kind not in "biuf" or len(scores) > len(self.modes):
             raise InputError(
                 f"The model has {len(self.modes)} modes: scores must be at most so many numbers, "
                 f"not of shape {scores.shape}."
@@ -64,6 +66,7 @@ class ShapeModel:
     def along(self, mode: int, deviations: float) -> np.ndarray:
         """The shape, (landmarks, 3), that lies so many standard deviations from the mean along one
         mode; the first mode is 0."""
+        mode, deviations = whole_number("mode", mode), real_number("deviations", deviations)
         if not 0 <= mode < len(self.modes):
             raise InputError(
                 f"There is no mode {mode}: the model's modes are numbered from 0 to "

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import gzip
 import struct
-from pathlib import Path
 
 import numpy as np
+
+from .errors import InputError
+from .parameters import path_of, real_number
 
 CODES = {"u1": 2, "i2": 4, "i4": 8, "f4": 16, "f8": 64, "i1": 256, "u2": 512, "u4": 768}
 CODES.update({"i8": 1024, "u8": 1280})
@@ -16,7 +18,14 @@ CODES.update({"i8": 1024, "u8": 1280})
 def write_nifti(path, labels: np.ndarray, affine: np.ndarray, seconds: float = 0.0) -> None:
     """NIfTI-1 (.nii or .nii.gz): labels (x, y, z) or (x, y, z, time), as bytes where they are from
     0 to 255; affine (4, 4): indices to RAS in mm; seconds per phase."""
-    labels = _stored(np.asarray(labels))
+    labels, affine = np.asarray(labels), np.asarray(affine)
+    seconds = real_number("seconds", seconds)
+    if labels.dtype.kind not in "biuf" or labels.ndim not in (3, 4) or affine.shape != (4, 4):
+        raise InputError(
+            "A label volume is written from numbers of shape (x, y, z) or (x, y, z, time) and an "
+            f"affine (4, 4), not from {labels.dtype} of shape {labels.shape} and {affine.shape}."
+        )
+    labels = _stored(labels)
     shape = (labels.shape + (1,))[:4]
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
     header = bytearray(348)
@@ -31,7 +40,7 @@ def write_nifti(path, labels: np.ndarray, affine: np.ndarray, seconds: float = 0
     struct.pack_into("<12f", header, 280, *np.asarray(affine, float)[:3].ravel())
     header[344:348] = b"n+1\0"
     content = bytes(header) + bytes(4) + labels.tobytes(order="F")
-    path = Path(path)
+    path = path_of(path)
     path.write_bytes(
         gzip.compress(content, mtime=0) if path.name.lower().endswith(".gz") else content
     )

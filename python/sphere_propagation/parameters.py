@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import List, Optional, Sequence, Union
 
 import numpy as np
@@ -46,6 +47,47 @@ def whole_numbers(name: str, values) -> List[int]:
     if numbers.ndim != 1 or not np.isfinite(numbers).all() or (numbers != np.floor(numbers)).any():
         raise InputError(f"{name} must be whole numbers, not {values!r}.")
     return [int(number) for number in numbers]
+
+
+def whole_number(name: str, value) -> int:
+    """One, of any type."""
+    numbers = whole_numbers(name, value)
+    if len(numbers) != 1:
+        raise InputError(f"{name} must be a whole number, not {value!r}.")
+    return numbers[0]
+
+
+def real_number(name: str, value, finite: bool = True) -> float:
+    """One, of any type."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number, not {value!r}.") from None
+    if finite and not np.isfinite(number):
+        raise InputError(f"{name} must be a number, not {value!r}.")
+    return number
+
+
+def require_choice(name: str, value, choices: Sequence[str]) -> None:
+    """InputError where it is none of them."""
+    if not isinstance(value, str) or value not in choices:
+        raise InputError(f"{name} must be one of {', '.join(map(repr, choices))}, not {value!r}.")
+
+
+def listed(name: str, values) -> list:
+    """Several of something, as a list."""
+    try:
+        return list(values)
+    except TypeError:
+        raise InputError(f"{name} must be a list, not {type(values).__name__}.") from None
+
+
+def path_of(path) -> Path:
+    """A path, from a text or a path."""
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise InputError(f"A path must be a text, not {type(path).__name__}.") from error
 
 
 def parent_numbers(parents: Parents) -> List[int]:

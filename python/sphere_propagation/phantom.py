@@ -14,6 +14,10 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from .errors import InputError
+from .parameters import real_number, require_choice, whole_number
+from .surface import array_of
+
 # u at which the surface ends for measurements: above, the base is cut where the voxels end
 RIM = 0.93
 TRUSTED = 1.2  # mm: a landmark farther from that surface is not on it
@@ -36,6 +40,11 @@ class Ventricle:
     def __init__(self, part: str = "Cavity", phases: int = 25, seed: int = 0, twist: float = 0.0):
         """Twist in degrees. `part` says which sheets are its surface: Cavity the inner one, Wall
         both."""
+        require_choice("part", part, ("Cavity", "Wall"))
+        phases, seed = whole_number("phases", phases), whole_number("seed", seed)
+        twist = real_number("twist", twist)
+        if phases < 1 or not 0 <= seed < 2**32:
+            raise InputError("A phantom needs a phase or more, and a seed from 0 to 2^32 - 1.")
         draw = np.random.RandomState(seed)  # the order of the draws matters
         self.phases, self.twist = phases, np.radians(twist)
         self.sheets = (0.0,) if part == "Cavity" else (0.0, 1.0)
@@ -174,6 +183,17 @@ class Ventricle:
         Landmarks at the rim of the base and on the lid are left out: no tissue can be followed
         there.
         """
+        landmarks, root = array_of("landmarks", landmarks), whole_number("root", root)
+        if landmarks.ndim != 3 or landmarks.shape[2] != 3 or landmarks.dtype.kind not in "iuf":
+            raise InputError(
+                f"Landmarks must be numbers of shape (phases, n, 3), not {landmarks.dtype} of "
+                f"shape {landmarks.shape}."
+            )
+        if not 0 <= root < len(landmarks):
+            raise InputError(
+                f"Layer {root} cannot be the root: layers are numbered from 0 to "
+                f"{len(landmarks) - 1}."
+            )
         tissue = self.material_points(landmarks[root], root)
         known = tissue.distance < TRUSTED
         u, theta, m = tissue.u[known], tissue.theta[known], tissue.m[known]

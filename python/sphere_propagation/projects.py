@@ -10,8 +10,10 @@ import numpy as np
 
 from .colors import landmark_colors
 from .correspondence import Correspondence
+from .errors import InputError
 from .files import write_ply
 from .filters import map_colors
+from .parameters import path_of
 from .project_file import ProjectLayer, write_project
 from .results import ResultFolder
 from .surface import distinct_names
@@ -26,11 +28,15 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
     name wrote is replaced.
     """
     row = result if isinstance(result, Row) else Row(name, result)
+    if not isinstance(row.result, Correspondence):
+        raise InputError(f"Layers are those of correspond(), not of {type(row.result).__name__}.")
+    if not isinstance(name, str) or not name or Path(name).name != name:
+        raise InputError(f"The name of the layers becomes a folder's: {name!r} cannot.")
     result = row.result
     results, place = (
         (folder, f"{name}/")
         if isinstance(folder, ResultFolder)
-        else (ResultFolder(Path(folder).absolute() / name), "")
+        else (ResultFolder(path_of(folder).absolute() / name), "")
     )
     # Colours sit on vertices, so coarse meshes get a coarse checkerboard.
     cells = 2 * int(

@@ -9,6 +9,7 @@ from typing import Dict, Optional, Union
 import numpy as np
 
 from .errors import InputError
+from .surface import array_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +27,7 @@ class SphereMap:
     figures: Dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self):
-        positions = np.asarray(self.positions)
+        positions = array_of("Positions of a map", self.positions)
         if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in "fiu":
             raise InputError(
                 f"Positions of a map must be numbers of shape (n, 3), not {positions.dtype} of "
@@ -34,13 +35,13 @@ class SphereMap:
             )
         object.__setattr__(self, "positions", np.ascontiguousarray(positions, np.float64))
         if self.texture is not None:
-            texture = np.ascontiguousarray(self.texture, np.float64)
-            if texture.shape != (len(positions), 2):
+            texture = array_of("Texture coordinates of a map", self.texture)
+            if texture.shape != (len(positions), 2) or texture.dtype.kind not in "fiu":
                 raise InputError(
                     f"Texture coordinates of this map must have the shape ({len(positions)}, 2), "
                     f"not {texture.shape}."
                 )
-            object.__setattr__(self, "texture", texture)
+            object.__setattr__(self, "texture", np.ascontiguousarray(texture, np.float64))
 
 
 MapLike = Union[SphereMap, np.ndarray]  # the array: positions
@@ -48,4 +49,4 @@ MapLike = Union[SphereMap, np.ndarray]  # the array: positions
 
 def as_map(positions: MapLike) -> SphereMap:
     """A SphereMap, also from its positions alone."""
-    return positions if isinstance(positions, SphereMap) else SphereMap(np.asarray(positions))
+    return positions if isinstance(positions, SphereMap) else SphereMap(positions)

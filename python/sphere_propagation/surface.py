@@ -31,7 +31,7 @@ class Surface:
     def __post_init__(self):
         if not isinstance(self.name, str):
             raise InputError(f"A surface's name must be a text, not {self.name!r}.")
-        if self.space not in ("", "RAS", "LPS"):
+        if not isinstance(self.space, str) or self.space not in ("", "RAS", "LPS"):
             raise InputError(f'{self.name}: space must be "RAS", "LPS" or "", not {self.space!r}.')
         vertices = array_of(f"{self.name}: vertices", self.vertices)
         faces = array_of(f"{self.name}: faces", self.faces)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Whatever an argument is, an error of this package says so, not one of Python's, NumPy's or
+PyMeshLab's."""
+
+import inspect
+from functools import partial
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+
+VALUES = ["x", None, [1, 2], float("nan"), -1, 1.5, 10**30, object(), {}, np.array([1, 2]), [[1]]]
+
+
+@pytest.fixture(scope="module")
+def job():
+    return sp.correspond(sp.make_phantom(phases=2, voxel_size=4), frequency=1)
+
+
+FUNCTIONS = {
+    sp.correspond: lambda job: (job.surfaces,),
+    sp.parameterise_root: lambda job: (job.surfaces[0],),
+    sp.propagate: lambda job: (job.surfaces, job.root_map),
+    sp.remesh: lambda job: (job.surfaces, job.maps),
+    sp.evaluate: lambda job: (job.surfaces, job.maps),
+    sp.shape_model: lambda job: (job.landmarks, job.landmark_faces, ["a", "b"]),
+    sp.map_colors: lambda job: (job.surfaces, job.maps),
+    partial(sp.make_phantom, phases=1, voxel_size=4): lambda job: (),
+    sp.read_label_volume: lambda job: ((np.pad(np.ones((3, 3, 3)), 2), np.eye(4)),),
+    sp.read_mesh: lambda job: ("nowhere",),
+    sp.read_map: lambda job: ("nowhere",),
+    sp.read_meshes: lambda job: ("nowhere",),
+    sp.mesh_files: lambda job: ("nowhere",),
+    sp.write_ply: lambda job: ("a.ply", job.surfaces[0].vertices, job.surfaces[0].faces),
+    sp.write_nifti: lambda job: ("a.nii", np.ones((3, 3, 3)), np.eye(4)),
+    sp.write_layers: lambda job: ("folder", "name", job),
+    sp.Surface: lambda job: (job.surfaces[0].vertices, job.surfaces[0].faces, "name"),
+    sp.SphereMap: lambda job: (job.root_map.positions, job.root_map.texture),
+    sp.Ventricle: lambda job: ("Cavity", 3),
+    sp.Ventricle("Cavity", 2).errors: lambda job: (job.landmarks, 0),
+}
+
+
+def only_this_packages_errors(call):
+    try:
+        call()
+    except (sp.SpherePropagationError, FileNotFoundError):
+        pass
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return None
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda f: getattr(f, "__qualname__", "phantom"))
+def test_errors_are_this_packages(function, job, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    given, wrong = FUNCTIONS[function](job), {}
+    for value in VALUES:
+        for i in range(len(given)):
+            arguments = [*given[:i], value, *given[i + 1 :]]
+            wrong[f"argument {i}: {value!r}"] = only_this_packages_errors(
+                lambda arguments=arguments: function(*arguments)
+            )
+        for name, parameter in inspect.signature(function).parameters.items():
+            if parameter.kind is inspect.Parameter.KEYWORD_ONLY and name != "progress":
+                wrong[f"{name}={value!r}"] = only_this_packages_errors(
+                    lambda name=name, value=value: function(*given, **{name: value})
+                )
+    assert not {call: error for call, error in wrong.items() if error}
+
+
+@pytest.mark.parametrize("value", VALUES, ids=repr)
+def test_a_models_shapes(value, job):
+    model = sp.shape_model(job.landmarks, job.landmark_faces)
+    for call in (
+        lambda: model.shape(value),
+        lambda: model.along(value, 1),
+        lambda: model.along(0, value),
+    ):
+        assert only_this_packages_errors(call) is None
