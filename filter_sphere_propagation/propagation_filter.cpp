@@ -132,19 +132,19 @@ class PropagationFilter : public host::Filter {
 
     Sequence sequence(participants.surfaces());
     PropagationTree tree;
-    std::vector<std::optional<double>> mirrorPlanes(participants.layers.size());
+    const bool mirrors = task.values.flag("mirror_layers");
+    std::vector<std::optional<double>> mirrorPlanes;
+    std::vector<LayerSide> sides;
     {
       ThreadPool pool(asked.threads);
-      if (task.values.flag("mirror_layers")) {
-        ReflectedSequence reflected = reflectMirrorImages(sequence, order, participants.root, pool);
-        sequence = std::move(reflected.sequence);
-        tree = std::move(reflected.tree);
-        mirrorPlanes = std::move(reflected.planes);
-        for (size_t i = 0; i < mirrorPlanes.size(); ++i)
-          participants.meshes[i].surface = sequence.surface(static_cast<int>(i));
-      } else {
-        tree = makeTree(order, sequence, participants.root, pool);
-      }
+      ReflectedSequence reflected =
+          reflectMirrorImages(sequence, order, participants.root, pool, mirrors);
+      sequence = std::move(reflected.sequence);
+      tree = std::move(reflected.tree);
+      mirrorPlanes = std::move(reflected.planes);
+      sides = std::move(reflected.sides);
+      for (size_t i = 0; i < mirrorPlanes.size(); ++i)
+        if (mirrorPlanes[i]) participants.meshes[i].surface = sequence.surface(static_cast<int>(i));
     }
     PropagationParameters parameters = asked;
     if (order.kind == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
@@ -157,6 +157,7 @@ class PropagationFilter : public host::Filter {
                propagated.learnt->rotation);
     if (parameters.closing && parameters.method == PropagationMethod::Robust)
       task.say(messages::bothWays, propagated.averaged, tree.size() - 1);
+    warnOfSides(task, participants, sides, mirrors);
     host::Outputs outputs = write(task, participants, propagated.layers);
     outputs["mirrored"] = mirrored;
     if (propagated.closing) {
@@ -224,11 +225,28 @@ class PropagationFilter : public host::Filter {
     if (propagated.route == Route::Published) task.sayOf(layer, messages::alignmentLostLayer);
     if (propagated.pose.moved)
       task.sayOf(layer, messages::anotherPose, propagated.pose.shift, propagated.pose.angle);
-    if (propagated.pose.mirrored) task.sayOf(layer, messages::mirrorImage);
     if (propagated.size.standsOut) warnOfSize(task, layer, propagated.size, layers == 2);
     const double edges = residualInEdges(mesh, propagated);
     if (edges > maxEdgesApart || propagated.residualStandsOut)
       task.sayOf(layer, messages::farOff, edges);
+  }
+
+  /// What was found of left and right, besides what was reflected.
+  static void warnOfSides(const host::Task& task, const Participants& participants,
+                          const std::vector<LayerSide>& sides, bool mirrors) {
+    size_t mirrored = 0;
+    std::string inDoubt;
+    for (size_t i = 0; i < sides.size(); ++i) {
+      const host::Layer& layer = participants.layers[i];
+      if (sides[i].mirrored) ++mirrored;
+      if (sides[i].mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
+      if (!sides[i].known && mirrors) task.say(messages::sideNotKnown, layer.label());
+      if (sides[i].inDoubt) inDoubt += (inDoubt.empty() ? "\"" : ", \"") + layer.label() + "\"";
+    }
+    if (2 * mirrored > sides.size())
+      task.sayOf(participants.layers[static_cast<size_t>(participants.root)],
+                 messages::mirroredRoot);
+    if (!inDoubt.empty()) task.say(messages::sidesDiffer, inDoubt);
   }
 
   static void warnOfSize(const host::Task& task, const host::Layer& layer, const LayerSize& size,

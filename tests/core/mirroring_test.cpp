@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -40,8 +41,8 @@ std::vector<ClosedSurface> sides(const std::string& text) {
 
 std::string found(const std::string& text, const PropagationTree& tree) {
   std::string answer;
-  for (const std::optional<double>& plane : findMirrorPlanes(sides(text), tree, pool))
-    answer += plane ? 'm' : '-';
+  for (const LayerSide& side : findSides(sides(text), tree, pool))
+    answer += side.mirrored ? 'm' : side.known ? '-' : '?';
   return answer;
 }
 
@@ -63,16 +64,49 @@ TEST(Mirroring, OnlyWhatDiffersFromTheRoot) {
   EXPECT_EQ(found("rlrl", star(4, 2)), "-m-m");
 }
 
-TEST(Mirroring, AlongAChainEachIsComparedWithItsParentAsItWillBe) {
-  EXPECT_EQ(found("rrlr", timeOrder(4, 0)), "--m-");  // the one behind the left one is right
+TEST(Mirroring, AlongAChainTheRootTells) {
+  EXPECT_EQ(found("rrlr", timeOrder(4, 0)), "--m-");
   EXPECT_EQ(found("rllr", timeOrder(4, 0)), "-mm-");
   EXPECT_EQ(found("rlll", timeOrder(4, 0)), "-mmm");
 }
 
-TEST(Mirroring, ThePlanePassesThroughTheCentroidOfTheArea) {
+TEST(Mirroring, OfTwoTheRootTells) {
+  EXPECT_EQ(found("rl", timeOrder(2, 0)), "-m");
+  EXPECT_EQ(found("rl", timeOrder(2, 1)), "m-");
+  EXPECT_EQ(found("rr", timeOrder(2, 0)), "--");
+}
+
+TEST(Mirroring, AMirroredLayerMayLieElsewhere) {
+  std::vector<ClosedSurface> surfaces = sides("rrlrr");
+  for (const size_t i : {2, 3})
+    surfaces[i] = surfaceOf(test::transformed({surfaces[i].vertices(), surfaces[i].faces()},
+                                              test::randomRotation(i), 1, Vector3(300, -20, 40)));
+  const std::vector<LayerSide> found = findSides(surfaces, timeOrder(5, 0), pool);
+  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(found[i].mirrored, i == 2) << i;
+}
+
+TEST(Mirroring, WhatIsItsOwnMirrorImageIsNotKnown) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < 5; ++i) {
+    test::Mesh mesh =
+        test::transformed(test::icosphereMesh(8), test::randomRotation(i), 1, Vector3::Zero());
+    mesh.vertices *= Vector3(30, 20 - i, 15).asDiagonal();
+    surfaces.push_back(surfaceOf(mesh));
+  }
+  for (const PropagationTree& tree : {timeOrder(5, 0), star(5, 2)}) {
+    const std::vector<LayerSide> sides = findSides(surfaces, tree, pool);
+    for (size_t i = 0; i < 5; ++i) {
+      EXPECT_FALSE(sides[i].mirrored || sides[i].inDoubt) << i;
+      EXPECT_EQ(sides[i].known, static_cast<int>(i) == tree.root()) << i;
+    }
+  }
+}
+
+TEST(Mirroring, ReflectedAcrossThePlaneThroughTheCentroidOfTheArea) {
   const std::vector<ClosedSurface> surfaces = sides("rl");
-  const auto planes = findMirrorPlanes(surfaces, star(2, 0), pool);
-  ASSERT_TRUE(planes[1]);
+  const ReflectedSequence reflected = reflectMirrorImages(surfaces, {}, 0, pool);
+  ASSERT_TRUE(reflected.planes[1]);
+  EXPECT_FALSE(reflected.planes[0]);
   const Points& p = surfaces[1].vertices();
   const Triangles& faces = surfaces[1].faces();
   double moment = 0, area = 0;
@@ -81,7 +115,59 @@ TEST(Mirroring, ThePlanePassesThroughTheCentroidOfTheArea) {
     moment += a * (p(faces(f, 0), 0) + p(faces(f, 1), 0) + p(faces(f, 2), 0)) / 3;
     area += a;
   }
-  EXPECT_NEAR(*planes[1], moment / area, 1e-10);
+  EXPECT_NEAR(*reflected.planes[1], moment / area, 1e-10);
+  const ReflectedSequence looked = reflectMirrorImages(surfaces, {}, 0, pool, false);
+  EXPECT_TRUE(looked.sides[1].mirrored);
+  EXPECT_FALSE(looked.planes[1]);
+  EXPECT_EQ(looked.sequence.surface(1).vertices(), surfaces[1].vertices());
+}
+
+TEST(Mirroring, InAnotherUnitItIsFoundAsWell) {
+  std::vector<ClosedSurface> surfaces = sides("rrlr");
+  surfaces[2] = surfaces[2].withVertices(surfaces[2].vertices() / 10);
+  EXPECT_TRUE(reflectMirrorImages(surfaces, {}, 0, pool).sides[2].mirrored);
+}
+
+/// Evidence of pairs, given below the diagonal.
+Eigen::MatrixXd evidenceOf(int count, const std::vector<double>& below) {
+  Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count);
+  size_t next = 0;
+  for (int i = 1; i < count; ++i)
+    for (int j = 0; j < i; ++j) evidence(i, j) = evidence(j, i) = below[next++];
+  return evidence;
+}
+
+std::string decided(const Eigen::MatrixXd& evidence) {
+  std::string answer;
+  for (const LayerSide& side : sidesFromEvidence(evidence, 0))
+    answer += side.mirrored ? 'm' : side.known ? '-' : side.inDoubt ? '!' : '?';
+  return answer;
+}
+
+TEST(Mirroring, AllPairsThatSaySomethingDecide) {
+  EXPECT_EQ(decided(evidenceOf(3, {1, 1, 1})), "---");
+  EXPECT_EQ(decided(evidenceOf(3, {-1, 1, -1})), "-m-");
+  EXPECT_EQ(decided(evidenceOf(3, {-1, 0.05, 0})), "-m?");
+  // One pair that errs against two that do not.
+  EXPECT_EQ(decided(evidenceOf(4, {1, -0.3, 1, 1, 1, 1})), "----");
+  // The root says nothing; most are right.
+  EXPECT_EQ(decided(evidenceOf(6, {0, 0, 1, 0, -1, -1, 0, 1, 1, -1, 0, 1, 1, -1, 1})), "---m--");
+  // Two and two: they differ, and which are right cannot be told.
+  EXPECT_EQ(decided(evidenceOf(5, {0, 0, 1, 0, -1, -1, 0, -1, -1, 1})), "-!!!!");
+}
+
+TEST(Mirroring, ManyLayersAreDecidedAsFewAre) {
+  for (const int count : {10, 40}) {  // all choices, and a search
+    Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count);
+    std::string expected(static_cast<size_t>(count), '-');
+    for (int i = 4; i < count - 2; i += 3) expected[static_cast<size_t>(i)] = 'm';
+    for (int i = 1; i < count; ++i)
+      for (int j = std::max(0, i - 2); j < i; ++j) {
+        const bool alike = expected[static_cast<size_t>(i)] == expected[static_cast<size_t>(j)];
+        evidence(i, j) = evidence(j, i) = (alike ? 0.6 : -0.6) + 0.1 * std::sin(7.0 * i + j);
+      }
+    EXPECT_EQ(decided(evidence), expected);
+  }
 }
 
 }  // namespace

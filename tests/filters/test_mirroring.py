@@ -2,6 +2,8 @@
 """mirror_layers of the propagation: layers that are mirror images of the others are reflected
 before they get their map."""
 
+import json
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -201,6 +203,66 @@ def test_what_belongs_to_vertices_and_corners_stays_with_them():
     assert np.array_equal(left.vertex_color_matrix(), colors)
     assert np.array_equal(left.vertex_custom_scalar_attribute_array("number"), np.arange(len(v)))
     assert len(positions(left)) == len(v)
+
+
+def phantoms(part, phases, voxel_size, mirror=(), plane=0):
+    """A phantom's cycle with some phases reflected across x = plane, that is, elsewhere."""
+    ms = pymeshlab.MeshSet()
+    ms.apply_filter("create_ventricle_phantom", phases=phases, voxel_size=voxel_size, part=part)
+    shapes = [(m.vertex_matrix(), m.face_matrix()) for m in ms]
+    return project([mirrored(*s, plane) if i in mirror else s for i, s in enumerate(shapes)])
+
+
+def named(returned):
+    """Of warnings about sides: what and of which layer."""
+    if "warnings" not in returned:
+        return []
+    remarks = json.loads(bytes(map(int, returned["warnings"])).decode())
+    return [
+        (r["message"], r["layer"])
+        for r in remarks
+        if r["message"] in ("mirrorImage", "mirroredRoot", "sidesDiffer")
+    ]
+
+
+@pytest.mark.parametrize(
+    "part, phases, order, mirror",
+    [
+        ("Wall", 8, "Time", [2]),
+        ("Wall", 8, "Star", []),
+        ("Wall", 12, "Similarity tree", [2]),
+        ("Wall", 12, "Cyclic time", [2, 7]),
+        ("Wall", 25, "Time", [2]),
+        ("Cavity", 6, "Time", [2]),
+        ("Cavity", 6, "Star", [2]),
+        ("Cavity", 8, "Similarity tree", []),
+    ],
+)
+def test_phantoms_that_are_nearly_their_own_mirror_images(part, phases, order, mirror):
+    """Without the option exactly those are named that are reflected with it; some pairs of phases
+    say nothing, and others tell."""
+    ms = phantoms(part, phases, 3 if part == "Cavity" else 4, mirror)
+    expected = [("mirrorImage", f"shape {i}") for i in mirror]
+    assert named(ms.apply_filter(PROPAGATE, order=order)) == expected
+    figures = ms.apply_filter(PROPAGATE, order=order, mirror_layers=True)
+    assert np.flatnonzero(figures["mirrored"]).tolist() == mirror
+    assert named(figures) == []
+    assert named(ms.apply_filter(PROPAGATE, order=order)) == []
+
+
+def test_a_root_that_is_the_odd_one_is_said_to_be():
+    ms = project([mirrored(*lopsided(t)) if t == 0 else lopsided(t) for t in range(4)])
+    figures = ms.apply_filter(PROPAGATE, method="As published")
+    assert named(figures) == [("mirrorImage", f"shape {i}") for i in (1, 2, 3)] + [
+        ("mirroredRoot", "shape 0")
+    ]
+
+
+def test_where_half_are_mirrored_and_the_root_does_not_tell_nothing_is_reflected():
+    ms = phantoms("Wall", 12, 4, range(1, 12, 2))
+    figures = ms.apply_filter(PROPAGATE, mirror_layers=True)
+    assert not figures["mirrored"].any()
+    assert named(figures) == [("sidesDiffer", "")]
 
 
 def test_a_refused_run_mirrors_nothing():

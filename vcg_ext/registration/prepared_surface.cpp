@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "vcg_ext/base/lazy.h"
 #include "vcg_ext/base/linear_solvers.h"
@@ -17,20 +18,28 @@ constexpr int sampleCount = 100;
 
 /// Vertices each as far as possible from those before; the first is the one farthest from the
 /// centre.
-Points spreadOver(const Points& points, const Vector3& centre) {
+std::vector<int> spreadOver(const Points& points, const Vector3& centre) {
   const auto count = std::min<Eigen::Index>(sampleCount, points.rows());
-  Points spread(count, 3);
+  std::vector<int> spread;
   Eigen::Index next = 0;
   (points.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff(&next);
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < count; ++i) {
-    spread.row(i) = points.row(next);
+    spread.push_back(static_cast<int>(next));
+    const Eigen::RowVector3d chosen = points.row(next);
     for (Eigen::Index j = 0; j < points.rows(); ++j)
-      distance[j] = std::min(distance[j], (points.row(j) - spread.row(i)).squaredNorm());
+      distance[j] = std::min(distance[j], (points.row(j) - chosen).squaredNorm());
     distance.maxCoeff(&next);
   }
   return spread;
+}
+
+Points rowsOf(const Points& points, const std::vector<int>& rows) {
+  Points some(static_cast<Eigen::Index>(rows.size()), 3);
+  for (size_t i = 0; i < rows.size(); ++i)
+    some.row(static_cast<Eigen::Index>(i)) = points.row(rows[i]);
+  return some;
 }
 
 Eigen::Matrix3d axesOf(const Points& points, const Vector3& centre, const Eigen::VectorXd& shares) {
@@ -60,7 +69,8 @@ struct PreparedSurface::Data {
   Eigen::VectorXd areas;  // of the vertices
   double area, radius, volume, meanEdge;
   Vector3 centre;
-  Lazy<Points> normals, samples;
+  Lazy<Points> normals, samples, sampleNormals;
+  Lazy<std::vector<int>> sampleVertices;
   Lazy<Eigen::Matrix3d> axes;
   Lazy<VertexLocator> vertexLocator;
   Lazy<SurfaceLocator> locator;
@@ -87,7 +97,15 @@ const Eigen::Matrix3d& PreparedSurface::axes() const {
 }
 
 const Points& PreparedSurface::samples() const {
-  return data_->samples.get([this] { return spreadOver(surface().vertices(), centre()); });
+  return data_->samples.get([this] { return rowsOf(surface().vertices(), sampleVertices()); });
+}
+
+const Points& PreparedSurface::sampleNormals() const {
+  return data_->sampleNormals.get([this] { return rowsOf(normals(), sampleVertices()); });
+}
+
+const std::vector<int>& PreparedSurface::sampleVertices() const {
+  return data_->sampleVertices.get([this] { return spreadOver(surface().vertices(), centre()); });
 }
 
 const VertexLocator& PreparedSurface::vertexLocator() const {
@@ -103,6 +121,7 @@ void PreparedSurface::prepare() const {
   normals();
   axes();
   samples();
+  sampleNormals();
   vertexLocator();
   locator();
 }

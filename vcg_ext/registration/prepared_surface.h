@@ -3,6 +3,7 @@
 /// A surface with what registration and fitting ask of it.
 
 #include <memory>
+#include <vector>
 
 #include "vcg_ext/base/matrices.h"
 #include "vcg_ext/mesh/closed_surface.h"
@@ -28,6 +29,7 @@ class PreparedSurface {
   const Eigen::Matrix3d& axes() const;
   /// About 100 vertices, each as far as possible from those before: #S by 3.
   const Points& samples() const;
+  const Points& sampleNormals() const;
   const VertexLocator& vertexLocator() const;
   const SurfaceLocator& locator() const;
 
@@ -35,6 +37,8 @@ class PreparedSurface {
   void prepare() const;
 
  private:
+  const std::vector<int>& sampleVertices() const;
+
   struct Data;
   std::shared_ptr<const Data> data_;
 };

@@ -8,8 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "vcg_ext/mesh/icosphere.h"
-#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/registration/pose_starts.h"
 
 namespace sphere_propagation {
 namespace {
@@ -23,58 +22,9 @@ constexpr Eigen::Index fewPlanes = 200, planes = 1000;  // first by few points, 
 constexpr double nearlyThere = 1e-3, there = 1e-6;      // steps, in R
 constexpr double planeAgreement = 0.5;                  // of normals
 
-/// Sum of the squared distances of the moved points from the nearest vertices.
-double misfit(const Points& points, const RigidMotion& motion, const VertexLocator& vertices) {
-  const Points moved = motion.applyTo(points);
-  const std::vector<int> nearest = vertices.nearest(moved);
-  double sum = 0;
-  for (size_t i = 0; i < nearest.size(); ++i)
-    sum +=
-        (moved.row(static_cast<Eigen::Index>(i)) - vertices.points().row(nearest[i])).squaredNorm();
-  return sum;
-}
-
-/// The turn about the one centre that ends at the other.
-RigidMotion about(const Vector3& fromCentre, const Vector3& toCentre,
-                  const Eigen::Matrix3d& rotation) {
-  return {rotation, toCentre - rotation * fromCentre};
-}
-
 RigidMotion refined(const RigidMotion& start, const Points& points, const VertexLocator& vertices,
                     int iterations) {
   return alignRigidly(start.applyTo(points), vertices, iterations).motion * start;
-}
-
-/// Proper rotations that lay axes on axes: those of an even number of signs.
-std::vector<Eigen::Matrix3d> axisRotations(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
-  std::vector<Eigen::Matrix3d> rotations;
-  for (const Vector3& sign :
-       {Vector3(1, 1, 1), Vector3(1, -1, -1), Vector3(-1, 1, -1), Vector3(-1, -1, 1)})
-    rotations.emplace_back(to * sign.asDiagonal() * from.transpose());
-  return rotations;
-}
-
-/// The rotations that keep an icosahedron: no rotation is farther than 45 degrees from all of them.
-std::vector<Eigen::Matrix3d> icosahedralRotations() {
-  const Points corners = icosphere(1).vertices;
-  const double edge = (corners.row(0) - corners.row(icosphere(1).faces(0, 1))).norm();
-  const auto frame = [&](Eigen::Index i, Eigen::Index j) {
-    Eigen::Matrix3d f;
-    f.col(0) = corners.row(i).transpose();
-    f.col(1) =
-        (corners.row(j).transpose() - corners.row(i).dot(corners.row(j)) * f.col(0)).normalized();
-    f.col(2) = f.col(0).cross(f.col(1));
-    return f;
-  };
-  std::vector<Eigen::Matrix3d> rotations;
-  Eigen::Matrix3d first;
-  for (Eigen::Index i = 0; i < corners.rows(); ++i)
-    for (Eigen::Index j = 0; j < corners.rows(); ++j) {
-      if (i == j || std::fabs((corners.row(i) - corners.row(j)).norm() - edge) > 1e-6) continue;
-      if (rotations.empty()) first = frame(i, j);
-      rotations.emplace_back(frame(i, j) * first.transpose());
-    }
-  return rotations;
 }
 
 /// Gauss-Newton on the distances of points from the planes at their closest points, as seen from
@@ -124,10 +74,9 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const PreparedSurface& fro
 RigidMotion motionByAxes(const PreparedSurface& from, const PreparedSurface& to) {
   // The first of the samples are themselves spread, and enough to choose by.
   const Points few = from.samples().topRows(std::min(samplesToChooseBy, from.samples().rows()));
-  RigidMotion start = about(from.centre(), to.centre(), Eigen::Matrix3d::Identity());
+  RigidMotion start = poseAsTurned(from, to);
   double least = misfit(few, start, to.vertexLocator());
-  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes(), to.axes())) {
-    const RigidMotion motion = about(from.centre(), to.centre(), rotation);
+  for (const RigidMotion& motion : posesByAxes(from, to)) {
     const double sum = misfit(few, motion, to.vertexLocator());
     if (sum >= least) continue;
     least = sum;
@@ -142,15 +91,8 @@ RigidMotion motionFromAnywhere(const PreparedSurface& from, const PreparedSurfac
     double misfit;
   };
   std::vector<Candidate> starts;
-  const auto consider = [&](const Eigen::Matrix3d& rotation) {
-    const RigidMotion motion = about(from.centre(), to.centre(), rotation);
+  for (const RigidMotion& motion : posesFromAnywhere(from, to))
     starts.push_back({motion, misfit(from.samples(), motion, to.vertexLocator())});
-  };
-  consider(Eigen::Matrix3d::Identity());
-  for (const Eigen::Matrix3d& rotation : axisRotations(from.axes(), to.axes())) consider(rotation);
-  const std::vector<Eigen::Matrix3d> turns = icosahedralRotations();  // the first is none
-  for (size_t i = 1; i < turns.size(); ++i)
-    consider(to.axes() * turns[i] * from.axes().transpose());
   std::stable_sort(starts.begin() + 1, starts.end(),
                    [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
   starts.resize(std::min(starts.size(), startsToRefine));  // the first is how they are turned

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "vcg_ext/registration/shape_alignment.h"
-#include "vcg_ext/sequence/mirroring.h"
 
 namespace sphere_propagation {
 namespace {
@@ -13,22 +12,20 @@ namespace {
 constexpr double nearEnough = 0.05;  // in R
 constexpr double farBetter = 1.6;
 
-/// Whether another pose, or the mirror image, could fit far better than the shape does at this
-/// distance.
+/// Whether another pose could fit far better than the shape does at this distance.
 bool mayFitFarBetter(const PreparedSurface& shape, const PreparedSurface& as, double distance) {
   return distance > nearEnough * as.radius() && distance > farBetter * minShapeDistance(shape, as);
 }
 
 struct FoundPose {
   LayerPose pose;
-  double distance;            // of the shapes, so laid
-  const PreparedSurface* as;  // from which that is
+  double distance;  // of the shapes, so laid
 };
 
 /// As it lies, or where another one was laid: what was moved with that needs no pose of its own.
 FoundPose poseAsItLies(const PreparedSurface& shape, const PreparedSurface& as,
                        const RigidMotion& asToRoot) {
-  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse()), &as};
+  FoundPose found{{}, shapeDistance(shape, as, asToRoot.inverse())};
   if (!asToRoot.isIdentity()) {
     const double beside = shapeDistance(shape, as);
     if (beside < found.distance) {
@@ -53,14 +50,6 @@ FoundPose findPose(const PreparedSurface& shape, const PreparedSurface& as,
     }
   }
   return found;
-}
-
-/// Whether the mirror image fits far better than the shape does in the pose found.
-bool isMirrored(const PreparedSurface& shape, const FoundPose& found) {
-  const PreparedSurface& as = *found.as;
-  if (!mayFitFarBetter(shape, as, found.distance)) return false;
-  const PreparedSurface mirrored(mirrorImage(shape.surface()));
-  return found.distance > farBetter * shapeDistance(mirrored, as, motionFromAnywhere(mirrored, as));
 }
 
 }  // namespace
@@ -92,7 +81,6 @@ std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const Propagatio
     }
     LayerPose& pose = poses[i];
     pose = found.pose;
-    pose.mirrored = isMirrored(shape, found);
     const Vector3& centre = shape.centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
     pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Layers that lie somewhere else than the rest of the sequence: shifted, turned round, or
-/// mirrored.
+/// Layers that lie somewhere else than the rest of the sequence: shifted, or turned round.
+/// (Mirrored ones: mirroring.h.)
 ///
 /// A motion model cannot tell a layer that was moved as a whole from tissue that slid along its
 /// surface: it has to know the pose first. Phases of one scan share a frame, and what they move in
@@ -23,8 +23,6 @@ struct LayerPose {
   bool moved = false;  ///< whether it is in another pose than its parent
   double shift = 0;    ///< of its centre by toRoot, in the unit of the vertices
   double angle = 0;    ///< of toRoot's rotation, degrees
-  bool mirrored =
-      false;  ///< whether its mirror image fits its parent far better: a left one among right ones
 };
 
 /// tree: one entry per layer of the sequence; a layer's pose is found relative to its

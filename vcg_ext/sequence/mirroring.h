@@ -20,27 +20,46 @@ namespace sphere_propagation {
 /// faces stay.
 ClosedSurface mirrorImage(const ClosedSurface& surface, double plane = 0);
 
-/// For each layer that is a mirror image of the root's kind the plane x = ... that it is to be
-/// reflected across, which passes through its centroid (of its area).
-///
-/// A layer is one where its mirror image fits its parent better than itself by more than the
-/// factor 1.15, each in its best pose (distances as in shape_alignment.h). The parent is reflected
-/// first where it is one: so a left bone behind a left bone is found as well, and a right one
-/// behind it is not. The root is none. What is its own mirror image, as skulls are nearly, stays.
-/// Where shapes differ much more than left and right do, it cannot be told, and they stay too.
-std::vector<std::optional<double>> findMirrorPlanes(const Sequence& sequence,
-                                                    const PropagationTree& tree, ThreadPool& pool);
-
-struct ReflectedSequence {
-  Sequence sequence;                          ///< with those layers reflected
-  std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
-  PropagationTree tree;                       ///< of the order, for the sequence as it is now
+struct LayerSide {
+  bool mirrored = false;  ///< certainly the mirror image of the root's kind
+  bool known = false;     ///< whether it is certain, either way
+  bool inDoubt = false;  ///< one of those that are certainly not all on one side, but which of them
+                         ///< are mirrored is not known
 };
 
-/// Reflects the layers that findMirrorPlanes finds. Where the order goes by shape, which shapes are
-/// alike may be another matter then: tree and search are made again until nothing is found. No
-/// layer is reflected twice.
+/// Which side each layer is on, for the sequence as a whole; the root tells which side is right.
+///
+/// Of a pair of layers the evidence is ln(m / s), s and m being how far the one lies off the other
+/// at best as it is, and as its mirror image (chirality.h): at most 1 either way, nothing where it
+/// is below 0.05, the less the worse both fit (half at 0.05 R, none beyond 0.25 R). The sides s_i =
+/// +-1 maximise
+///   sum over pairs of evidence s_i s_j + 0.15 sum s_i,
+/// since most layers are as they should be; a layer's side is certain where every choice of sides
+/// with the other one is worse by at least 0.5. Pairs are the arcs of the tree, and of layers whose
+/// side is not certain those with the layers whose axes are the most alike, up to six. So a shape
+/// that is nearly its own mirror image, as skulls are, stays, and so do all where mirrored layers
+/// are about as many as others that the root tells nothing about.
+///
+/// sequence: of one size (layer_sizes.h); tree: one entry per layer.
+std::vector<LayerSide> findSides(const Sequence& sequence, const PropagationTree& tree,
+                                 ThreadPool& pool);
+
+/// The sides that this evidence speaks for: #layers by #layers, symmetric, positive where two are
+/// alike. fixed: the layer that is on the right side.
+std::vector<LayerSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed);
+
+struct ReflectedSequence {
+  Sequence sequence;                          ///< with the mirrored layers reflected
+  std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
+  PropagationTree tree;                       ///< of the order, for the sequence as it is now
+  std::vector<LayerSide> sides;               ///< as they were found
+};
+
+/// Finds the sides of the layers (as large as the others: layer_sizes.h). Reflected are, where
+/// `reflects` says so, those that are certainly mirrored, each across the plane x = ... through its
+/// centroid (of its area). Where the order goes by shape, the tree is made again for what they are
+/// then.
 ReflectedSequence reflectMirrorImages(const Sequence& sequence, const PropagationOrder& order,
-                                      int root, ThreadPool& pool);
+                                      int root, ThreadPool& pool, bool reflects = true);
 
 }  // namespace sphere_propagation
