@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "filter_label_volume/earlier_imports.h"
@@ -21,18 +23,29 @@
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/base/text.h"
 #include "vcg_ext/mesh/closed_surface.h"
-#include "vcg_ext/volume/volume_surface.h"
+#include "vcg_ext/volume/volume_sequence.h"
 
 namespace sphere_propagation {
 namespace {
 
 constexpr host::Named<Coordinates> frames[]{{"RAS", Coordinates::Ras}, {"LPS", Coordinates::Lps}};
 
+constexpr host::Named<HandleRepair> handleRepairs[]{
+    {"Whichever changes less", HandleRepair::LessChange},
+    {"Cut", HandleRepair::Cut},
+    {"Fill", HandleRepair::Fill}};
+
+/// Places of a phase that are named one by one.
+constexpr size_t maxPlaces = 3;
+
 // Shares of the label's volume that deserve a look: what its surface lacks, since the label is
 // thin; what lies between the two anyway; what went with smaller parts.
 constexpr double maxLoss = 0.1;
 constexpr double maxDifference = 0.05;
 constexpr double maxDropped = 0.01;
+
+/// Slices that lie so far off the line of those beside them are named, mm.
+constexpr double minUneven = 4;
 
 std::string millilitres(double cubicMillimetres) {
   char buffer[32];
@@ -71,13 +84,41 @@ std::string numbered(int number, int count) {
   return text.insert(0, digits - std::min(digits, text.size()), '0');
 }
 
+std::string workingVoxels(long voxels) {
+  return counted(voxels, "working voxel", "working voxels");
+}
+
+std::string tenths(double number) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.1f", number + 0.0);
+  return buffer;
+}
+
+/// "(12.3, -40.0, 7.5) mm".
+std::string pointText(const Vector3& x) {
+  return "(" + tenths(x[0]) + ", " + tenths(x[1]) + ", " + tenths(x[2]) + ") mm";
+}
+
+/// "(12.3, -40.0, 7.5) mm (18 voxels), ... and 2 smaller places".
+std::string placesText(const std::vector<HandlePlace>& places) {
+  std::string text;
+  const size_t named = std::min(places.size(), maxPlaces);
+  for (size_t i = 0; i < named; ++i)
+    text += (i > 0 ? ", " : "") + pointText(places[i].centre) +
+            (places.size() > 1 ? " (" + std::to_string(places[i].voxels) + ")" : "");
+  if (places.size() > named)
+    text += " and " +
+            counted(static_cast<long>(places.size() - named), "smaller place", "smaller places");
+  return text;
+}
+
 /// What was done to a phase's labels, for the log.
 std::string describe(const VolumeSurface& s) {
   std::string line = millilitres(s.labelVolume) + " of voxels, surface of " +
                      millilitres(s.volume) + ", " +
                      counted(s.vertices.rows(), "vertex", "vertices");
   const auto share = [&](long voxels) {
-    return counted(voxels, "working voxel", "working voxels") + ", " +
+    return workingVoxels(voxels) + ", " +
            shortNumber(100.0 * static_cast<double>(voxels) / static_cast<double>(s.workingVoxels)) +
            " %";
   };
@@ -115,6 +156,8 @@ class ImportFilter : public host::Filter {
         help_.parameter("fill_holes", defaults.fillHoles),
         help_.parameter("keep_largest_component", defaults.keepLargestComponent),
         help_.parameter("cut_handles", defaults.cutHandles),
+        help_.parameter("handle_repair", host::choiceOf(handleRepairs, defaults.handleRepair)),
+        help_.parameter("align_slices", defaults.interpolation.alignSlices),
         help_.parameter("file_series", false),
         help_.parameter("skip_incomplete_phases", false),
         help_.parameter("longest_gap", defaults.interpolation.longestGap).asAdvanced()};
@@ -125,10 +168,12 @@ class ImportFilter : public host::Filter {
     parameters.interpolation.labels = parseLabels(task.values.text("labels"));
     parameters.interpolation.voxelSize = task.values.real("voxel_size");
     parameters.interpolation.longestGap = task.values.integer("longest_gap");
+    parameters.interpolation.alignSlices = task.values.flag("align_slices");
     parameters.smoothing = task.values.real("smoothing");
     parameters.fillHoles = task.values.flag("fill_holes");
     parameters.keepLargestComponent = task.values.flag("keep_largest_component");
     parameters.cutHandles = task.values.flag("cut_handles");
+    parameters.handleRepair = task.values.choice("handle_repair", handleRepairs);
     const std::string fileName = task.values.file("file_name");
     if (fileName.empty()) throw host::Refusal(volume_messages::noFileName);
     const Coordinates coordinates = task.values.choice("coordinates", frames);
@@ -143,7 +188,8 @@ class ImportFilter : public host::Filter {
     for (const std::int32_t label : parameters.interpolation.labels)
       labelText += (labelText.back() == 'l' ? " " : "+") + std::to_string(label);
 
-    std::vector<Figures> figures;
+    VolumeSequence sequence(parameters);
+    std::vector<Entry> entries;
     EarlierImports earlier(task.layers, files, labelText);
     if (!earlier.suffix().empty())
       task.say(volume_messages::otherFileOfThisName,
@@ -163,13 +209,10 @@ class ImportFilter : public host::Filter {
         const std::string name =
             stem + labelText + (file.phases() > 1 ? " phase " + numbered(p, file.phases()) : "");
         const Progress progress =
-            part(task.progress, static_cast<double>(phase) / phases, (phase + 1.0) / phases);
+            part(task.progress, handlesFrom * phase / phases, handlesFrom * (phase + 1.0) / phases);
         try {
-          VolumeSurface surface = volumeSurface(file.phase(p), parameters, progress);
-          task.log(name + ": " + sphere_propagation::describe(surface));
-          warn(task, name, surface);
-          figures.emplace_back(surface, phase, stopwatch.seconds());
-          addLayer(task, earlier, static_cast<size_t>(f), name, parameters, std::move(surface));
+          sequence.add(file.phase(p), progress);
+          entries.push_back({name, static_cast<size_t>(f), p, phase, stopwatch.seconds()});
         } catch (const AbsentLabelError& error) {
           if (!skip || phases == 1) {
             const std::string what =
@@ -189,8 +232,29 @@ class ImportFilter : public host::Filter {
         task.tell(of);
       }
     }
-    if (figures.empty())
+    if (entries.empty())
       throw host::Refusal(volume_messages::allSkipped, fileName, task.values.text("labels"));
+    const Trial trial(files, coordinates, parameters, entries);
+    std::vector<Figures> figures;
+    bool anyHandles = false, triedToAlign = false;
+    std::vector<Thin> thin;
+    for (size_t i = 0; i < entries.size(); ++i) {
+      const Entry& entry = entries[i];
+      const Stopwatch stopwatch;
+      VolumeSurface surface = sequence.surface(i, part(task.progress, handlesFrom, 1));
+      task.log(entry.name + ": " + sphere_propagation::describe(surface));
+      warn(task, entry.name, surface);
+      if (lostShare(surface) > maxLoss) thin.push_back({i, totalLoss(surface), surface.voxelSize});
+      warnOfSlices(task, entry.name, surface, parameters.interpolation.alignSlices, [&] {
+        if (std::exchange(triedToAlign, true)) return 0L;
+        return trial.keptByAligning(i, surface.lostSlices);
+      });
+      anyHandles |= warnOfHandles(task, entry.name, surface);
+      figures.emplace_back(surface, entry.phase, entry.seconds + stopwatch.seconds());
+      addLayer(task, earlier, entry.file, entry.name, parameters, std::move(surface));
+    }
+    if (anyHandles) task.say(volume_messages::handlesElsewhere);
+    warnOfThinLabels(task, thin, entries, trial);
     if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
     if (earlier.replacedUnknown() > 0)
       task.say(volume_messages::unknownReplaced, earlier.replacedUnknown());
@@ -200,6 +264,17 @@ class ImportFilter : public host::Filter {
   }
 
  private:
+  static constexpr double handlesFrom = 0.5;  // where in the progress they are removed
+
+  /// A phase that was read.
+  struct Entry {
+    std::string name;
+    size_t file = 0;
+    int phaseInFile = 0;
+    int phase = 0;
+    double seconds = 0;
+  };
+
   /// What is returned about a layer.
   struct Figures {
     Figures(const VolumeSurface& s, int number, double time)
@@ -221,12 +296,11 @@ class ImportFilter : public host::Filter {
     return static_cast<double>(surface.dropped.voxels) / static_cast<double>(surface.workingVoxels);
   }
 
-  /// What the user should know about a phase's surface; usually nothing.
+  /// What the user should know about a phase's surface, but for what warnOfThinLabels says; usually
+  /// nothing.
   static void warn(const host::Task& task, const std::string& name, const VolumeSurface& surface) {
     const double loss = lostShare(surface);
-    if (loss > maxLoss)
-      task.sayOf(name, volume_messages::thinLabel, std::lround(100 * loss));
-    else if (std::abs(loss) > maxDifference && surface.interpolatedSlices == 0)
+    if (loss <= maxLoss && std::abs(loss) > maxDifference && surface.interpolatedSlices == 0)
       task.sayOf(name, volume_messages::volumesDiffer, 100 * std::abs(loss));
     if (droppedShare(surface) > maxDropped)
       task.sayOf(name, volume_messages::partsDropped, 100 * droppedShare(surface));
@@ -238,6 +312,148 @@ class ImportFilter : public host::Filter {
   static double lostShare(const VolumeSurface& surface) {
     const double kept = 1 - droppedShare(surface);
     return 1 - surface.volume / (surface.labelVolume * kept);
+  }
+
+  /// How much of the label its surface does not enclose, what was dropped included.
+  static double totalLoss(const VolumeSurface& surface) {
+    return 1 - surface.volume / surface.labelVolume;
+  }
+
+  /// What other parameters would make of a phase: advice is tried before it is given.
+  class Trial {
+   public:
+    Trial(const std::vector<std::string>& files, Coordinates coordinates,
+          const VolumeSurfaceParameters& parameters, const std::vector<Entry>& entries)
+        : files_(files), coordinates_(coordinates), parameters_(parameters), entries_(entries) {}
+
+    const VolumeSurfaceParameters& parameters() const { return parameters_; }
+
+    /// How many of a phase's lost slices align_slices would keep.
+    long keptByAligning(size_t entry, const std::vector<int>& lost) const {
+      VolumeSurfaceParameters parameters = parameters_;
+      parameters.interpolation.alignSlices = true;
+      const std::vector<int> left = workingVolume(labels(entry), parameters).surface.lostSlices;
+      return std::count_if(lost.begin(), lost.end(), [&](int slice) {
+        return std::find(left.begin(), left.end(), slice) == left.end();
+      });
+    }
+
+    /// The loss of a phase with other parameters; nothing where these are none.
+    std::optional<double> loss(size_t entry, const VolumeSurfaceParameters& parameters) const {
+      try {
+        return totalLoss(volumeSurface(labels(entry), parameters));
+      } catch (const Error&) {  // too many working voxels
+        return std::nullopt;
+      }
+    }
+
+   private:
+    LabelGrid labels(size_t entry) const {
+      return VolumeFile(files_[entries_[entry].file], coordinates_)
+          .phase(entries_[entry].phaseInFile);
+    }
+
+    const std::vector<std::string>& files_;
+    Coordinates coordinates_;
+    const VolumeSurfaceParameters& parameters_;
+    const std::vector<Entry>& entries_;
+  };
+
+  /// A phase whose surface lacks much of its label.
+  struct Thin {
+    size_t entry = 0;
+    double loss = 0;
+    double voxelSize = 0;
+  };
+
+  /// Names them; and with the worst which smaller smoothing or voxel_size brings most of it back.
+  static void warnOfThinLabels(host::Task& task, const std::vector<Thin>& thin,
+                               const std::vector<Entry>& entries, const Trial& trial) {
+    const auto worst = std::max_element(
+        thin.begin(), thin.end(), [](const Thin& a, const Thin& b) { return a.loss < b.loss; });
+    for (auto phase = thin.begin(); phase != thin.end(); ++phase)
+      task.tell(phase == worst ? adviceOn(*phase, entries[phase->entry].name, trial)
+                               : remark(entries[phase->entry].name, volume_messages::thinLabel,
+                                        std::lround(100 * phase->loss)));
+  }
+
+  static host::Remark adviceOn(const Thin& thin, const std::string& name, const Trial& trial) {
+    std::string bestWay, tried;
+    double best = thin.loss;
+    const double smoothing = trial.parameters().smoothing;
+    for (const auto& [share, finer] : {std::pair(0.5, false), std::pair(0.0, false),
+                                       std::pair(1.0, true), std::pair(0.0, true)}) {
+      if (smoothing == 0 && share < 1 && !(share == 0 && finer)) continue;  // as it is
+      VolumeSurfaceParameters parameters = trial.parameters();
+      parameters.smoothing = share * smoothing;
+      if (finer) parameters.interpolation.voxelSize = thin.voxelSize / 2;
+      const std::string way =
+          (share < 1 ? "smoothing " + shortNumber(parameters.smoothing) : std::string()) +
+          (share < 1 && finer ? " and " : "") +
+          (finer ? "voxel_size " + shortNumber(thin.voxelSize / 2) : std::string());
+      const std::optional<double> found = trial.loss(thin.entry, parameters);
+      if (!found) continue;
+      tried += (tried.empty() ? "" : "; ") + way + ": " +
+               std::to_string(std::lround(100 * *found)) + " %";
+      if (*found < best) {
+        best = *found;
+        bestWay = way;
+      }
+      if (best < maxLoss) break;
+    }
+    const long now = std::lround(100 * thin.loss);
+    return best < maxLoss || best < thin.loss / 2
+               ? remark(name, volume_messages::thinRemedy, now, bestWay, std::lround(100 * best))
+               : remark(name, volume_messages::thinForItsVoxels, now, tried);
+  }
+
+  /// "slices 3 to 5, slice 11".
+  static std::string slicesText(const std::vector<int>& slices) {
+    std::string text;
+    for (size_t i = 0; i < slices.size();) {
+      size_t end = i + 1;
+      while (end < slices.size() && slices[end] == slices[end - 1] + 1) ++end;
+      text +=
+          (text.empty() ? "" : ", ") + (end - i > 1 ? "slices " + std::to_string(slices[i]) +
+                                                          " to " + std::to_string(slices[end - 1])
+                                                    : "slice " + std::to_string(slices[i]));
+      i = end;
+    }
+    return text;
+  }
+
+  /// "slice 11 by 11.2 mm".
+  static std::string shiftsText(const std::vector<UnevenSlice>& slices) {
+    std::string text;
+    for (const UnevenSlice& uneven : slices)
+      text += (text.empty() ? "slice " : ", slice ") + std::to_string(uneven.slice) + " by " +
+              tenths(uneven.shift) + " mm";
+    return text;
+  }
+
+  /// keptByAligning: how many of the lost slices would be.
+  static void warnOfSlices(host::Task& task, const std::string& name, const VolumeSurface& surface,
+                           bool aligned, const std::function<long()>& keptByAligning) {
+    if (!surface.lostSlices.empty()) {
+      const long kept = aligned ? 0 : keptByAligning();
+      const std::string lost = slicesText(surface.lostSlices);
+      task.tell(kept > 0 ? remark(name, volume_messages::slicesLostByShift, lost, kept)
+                         : remark(name, volume_messages::slicesLost, lost));
+    }
+    std::vector<UnevenSlice> uneven = surface.unevenSlices;
+    if (!aligned)
+      uneven.erase(std::remove_if(uneven.begin(), uneven.end(),
+                                  [&](const UnevenSlice& slice) {
+                                    const auto& lost = surface.lostSlices;
+                                    return slice.shift < minUneven ||
+                                           std::find(lost.begin(), lost.end(), slice.slice) !=
+                                               lost.end();
+                                  }),
+                   uneven.end());
+    if (!uneven.empty())
+      task.tell(remark(name,
+                       aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
+                       shiftsText(uneven)));
   }
 
   static host::Outputs outputsOf(const std::vector<Figures>& figures) {
@@ -253,6 +469,21 @@ class ImportFilter : public host::Filter {
       outputs[keys[key]] = values;
     }
     return outputs;
+  }
+
+  /// Whether there was anything to say.
+  static bool warnOfHandles(host::Task& task, const std::string& name,
+                            const VolumeSurface& surface) {
+    const RemovedHandles& removed = surface.handles;
+    if (removed.changedVoxels == 0) return false;
+    const host::Message& message = removed.by == RemovedHandles::By::Filling
+                                       ? volume_messages::handlesFilled
+                                       : volume_messages::handlesCut;
+    const std::string what = removed.handles > 0 ? counted(removed.handles, "handle", "handles")
+                                                 : std::string("a cavity");
+    task.tell(remark(name, message, what, workingVoxels(removed.changedVoxels),
+                     placesText(surface.handlePlaces)));
+    return true;
   }
 
   static std::string place(const std::string& file, int phase, int phases) {

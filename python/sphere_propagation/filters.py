@@ -33,6 +33,7 @@ PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
 ALIGNMENTS = ("Similarity", "Rigid", "None")
 PARTS = ("Cavity", "Wall")
 COORDINATES = ("RAS", "LPS")
+HANDLE_REPAIRS = ("Whichever changes less", "Cut", "Fill")
 
 # Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
 # no only after the maps were made. A test asks it.
@@ -108,6 +109,8 @@ def read_label_volume(
     fill_holes: bool = True,
     keep_largest_component: bool = True,
     cut_handles: bool = True,
+    handle_repair: str = "Whichever changes less",
+    align_slices: bool = False,
     file_series: bool = False,
     skip_incomplete_phases: bool = False,
     longest_gap: int = 10,
@@ -123,7 +126,10 @@ def read_label_volume(
     file's smallest spacing.
     smoothing: standard deviation in these cubes, 0 to 5. coordinates: one of COORDINATES.
     fill_holes, keep_largest_component, cut_handles: cavities are filled, smaller parts dropped,
-    handles removed. longest_gap: how many empty slices in a row are interpolated.
+    handles removed, in all phases alike and at the same places; handle_repair, one of
+    HANDLE_REPAIRS: how. align_slices: slices are moved in their plane where they do not follow from
+    those beside them, as after another breath. longest_gap: how many empty slices in a row are
+    interpolated.
     file_series: also read the files beside this one whose names differ from it in one number only,
     one phase each.
 
@@ -147,6 +153,8 @@ def read_label_volume(
         fill_holes=fill_holes,
         keep_largest_component=keep_largest_component,
         cut_handles=cut_handles,
+        handle_repair=handle_repair,
+        align_slices=align_slices,
         file_series=file_series,
         skip_incomplete_phases=skip_incomplete_phases,
         longest_gap=longest_gap,

@@ -38,6 +38,7 @@ CHOICES = {
     "alignment": filters.ALIGNMENTS,
     "coordinates": filters.COORDINATES,
     "lid": preparation.LIDS,
+    "handle_repair": filters.HANDLE_REPAIRS,
 }
 
 
@@ -94,6 +95,7 @@ def test_choices_are_the_filters(parameter, cycle, egg_file):
         ),
         "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
         "lid": lambda value: sp.prepare(cycle.surfaces[0], lid=value),
+        "handle_repair": lambda value: sp.read_label_volume(egg_file, handle_repair=value),
         "part": lambda value: sp.make_phantom(part=value, phases=1, voxel_size=4),
     }[parameter]
     for choice in CHOICES[parameter]:

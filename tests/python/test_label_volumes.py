@@ -4,6 +4,7 @@ what is missing."""
 
 import csv
 import gzip
+import re
 import shutil
 
 import numpy as np
@@ -82,9 +83,12 @@ def test_what_deserves_a_look_is_warned_of(volume, tmp_path):
     assert len({w.message.layer for w in warned}) == len(warned) == 3
     two = np.concatenate([labels, labels[:, :, ::-1], labels[:10]], 0)
     (tmp_path / "parts.nii").write_bytes(volume_files.nifti(two))
-    with pytest.warns(
-        sp.SpherePropagationWarning,
-        match=r"parts label 1: [\d.]+ % of the label's voxels were dropped with its smaller parts",
+    with (
+        pytest.warns(
+            sp.SpherePropagationWarning,
+            match=r"parts label 1: [\d.]+ % of the label's voxels were dropped with its smaller",
+        ),
+        pytest.warns(sp.SpherePropagationWarning, match="parts label 1: lost .*: slices 4 to 14"),
     ):
         sp.read_label_volume(tmp_path / "parts.nii")
 
@@ -102,11 +106,54 @@ def test_a_thin_label_that_loses_much_is_warned_of(tmp_path):
     (tmp_path / "plate.nii").write_bytes(volume_files.nifti(labels))
     with pytest.warns(
         sp.SpherePropagationWarning,
-        match=r"plate label 1: the surface encloses \d+ % less than the label's voxels\. The "
-        "label is thin for so much smoothing",
+        match=r"plate label 1: the surface encloses \d+ % less than the label's voxels, which are "
+        r"thin .*\. With smoothing 1 it would be \d %\.",
     ):
         figures = sp.read_label_volume(tmp_path / "plate.nii", smoothing=2).figures
     assert figures["volume"][0] < 0.9 * figures["label_volume"][0] and figures["thin"][0] == 1
+
+
+def vertebra(thin):
+    """A body with an arch that is thin in one place, on the side of this sign."""
+    i, j, k = np.indices((60, 60, 30)).astype(float)
+    off = np.hypot(i - 30, j - 38) - 12
+    narrow = (abs(j - 40) < 2) & ((i - 30) * thin > 0)
+    arch = (abs(off) < np.where(narrow, 1, 3)) & (abs(k - 15) < 5)
+    body = ((i - 30) ** 2 / 196 + (j - 18) ** 2 / 121 < 1) & (abs(k - 15) < 9)
+    return (body | arch).astype("u1")
+
+
+def handle_warnings(caught):
+    return [str(w.message) for w in caught if "since a sphere has none" in str(w.message)]
+
+
+@pytest.mark.parametrize("repair, apart", [("Cut", 1.0), ("Fill", 0.5)])
+def test_handles_of_a_sequence_are_removed_at_one_place(tmp_path, repair, apart):
+    path = tmp_path / "spine.nii.gz"
+    phases = np.stack([vertebra(1), vertebra(-1)], -1)
+    path.write_bytes(gzip.compress(volume_files.nifti(phases, np.eye(4))))
+    with pytest.warns(sp.SpherePropagationWarning) as caught:
+        found = sp.read_label_volume(path, handle_repair=repair)
+    assert [text.split(":")[0] for text in handle_warnings(caught)] == [
+        "spine label 1 phase 00",
+        "spine label 1 phase 01",
+    ]
+    landmarks = sp.correspond(found.surfaces, frequency=8).landmarks
+    assert np.linalg.norm(landmarks[0] - landmarks[1], axis=1).mean() < apart  # mm
+
+
+def test_handles_of_single_volumes_are_named_with_their_places(tmp_path):
+    places = []
+    for thin in (1, -1):
+        path = tmp_path / f"spine_{thin}.nii"
+        path.write_bytes(volume_files.nifti(vertebra(thin), np.eye(4)))
+        with pytest.warns(sp.SpherePropagationWarning) as caught:
+            found = sp.read_label_volume(path)
+        (text,) = handle_warnings(caught)
+        changed = int(found.figures["changed_voxels"][0])
+        assert f"1 handle cut, since a sphere has none: {changed} working voxels" in text
+        places.append([float(x) for x in re.search(r"at \((.*)\) mm", text)[1].split(",")])
+    assert np.allclose(places, [[42, 40, 15], [18, 40, 15]], atol=2)
 
 
 @pytest.mark.parametrize("labels", [1.5, [1, 2.5], float("nan"), [[1, 2]], {"a": 1}])

@@ -60,6 +60,8 @@ def test_parameters_and_their_defaults():
         "fill_holes": True,
         "keep_largest_component": True,
         "cut_handles": True,
+        "handle_repair": 0,
+        "align_slices": False,
         "file_series": False,
         "skip_incomplete_phases": False,
         "longest_gap": 10,

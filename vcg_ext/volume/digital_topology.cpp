@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <queue>
+#include <set>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
@@ -214,10 +215,23 @@ Mask shrunk(const Mask& mask, const std::vector<float>& depth, const Progress& p
   return result;
 }
 
-long differences(const Mask& a, const Mask& b) {
-  long count = 0;
-  for (size_t i = 0; i < a.values.size(); ++i) count += a.values[i] != b.values[i];
-  return count;
+std::vector<size_t> differences(const Mask& a, const Mask& b) {
+  std::vector<size_t> voxels;
+  for (size_t i = 0; i < a.values.size(); ++i)
+    if (a.values[i] != b.values[i]) voxels.push_back(i);
+  return voxels;
+}
+
+HandleRemoval startOfRemoval(const Mask& mask, const std::vector<std::vector<size_t>>& parts) {
+  HandleRemoval removal;
+  // Without cavities there is one surface per part; each adds 2 - 2 genus.
+  Mask filled = mask;
+  const bool cavities = fillCavities(filled) > 0;
+  const auto surfaces = static_cast<long>(cavities ? partsOf(filled).size() : parts.size());
+  removal.handles = surfaces - surfaceEulerCharacteristic(filled) / 2;
+  removal.needed = cavities || removal.handles != 0;
+  removal.canFill = parts.size() == 1;
+  return removal;
 }
 
 }  // namespace
@@ -300,32 +314,69 @@ long surfaceEulerCharacteristic(const Mask& mask) {
   return sum;
 }
 
-RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth,
-                             const Progress& progress) {
-  requireFreeBorder(mask);
-  RemovedHandles removed;
-  const auto parts = partsOf(mask);
-  // Without cavities there is one surface per part; each adds 2 - 2 genus.
-  Mask filled = mask;
-  const bool cavities = fillCavities(filled) > 0;
-  const auto surfaces = static_cast<long>(cavities ? partsOf(filled).size() : parts.size());
-  removed.handles = surfaces - surfaceEulerCharacteristic(filled) / 2;
-  if (!cavities && removed.handles == 0) return removed;
+HandleRepair HandleRemoval::chosen(HandleRepair wanted) const {
+  if (wanted == HandleRepair::Cut || !canFill) return HandleRepair::Cut;
+  if (wanted == HandleRepair::Fill) return HandleRepair::Fill;
+  return filled.size() < cut.size() ? HandleRepair::Fill : HandleRepair::Cut;
+}
 
-  Mask cut = grown(mask, parts, depth, part(progress, 0, 0.5));
-  removed.by = RemovedHandles::By::Cutting;
-  removed.changedVoxels = differences(mask, cut);
-  if (parts.size() == 1) {
-    Mask closed = shrunk(mask, depth, part(progress, 0.5, 1));
-    const long changed = differences(mask, closed);
-    if (changed < removed.changedVoxels) {
-      removed.by = RemovedHandles::By::Filling;
-      removed.changedVoxels = changed;
-      cut = std::move(closed);
-    }
-  }
-  mask = std::move(cut);
+RemovedHandles HandleRemoval::apply(Mask& mask, HandleRepair wanted) const {
+  RemovedHandles removed;
+  removed.handles = handles;
+  if (!needed) return removed;
+  const bool fills = chosen(wanted) == HandleRepair::Fill;
+  const std::vector<size_t>& voxels = fills ? filled : cut;
+  for (const size_t i : voxels) mask.values[i] ^= 1;
+  removed.by = fills ? RemovedHandles::By::Filling : RemovedHandles::By::Cutting;
+  removed.changedVoxels = static_cast<long>(voxels.size());
   return removed;
+}
+
+bool needsHandleRemoval(const Mask& mask) {
+  requireFreeBorder(mask);
+  return startOfRemoval(mask, partsOf(mask)).needed;
+}
+
+HandleRemoval findHandleRemoval(const Mask& mask, const std::vector<float>& depth,
+                                HandleRepair wanted, const Progress& progress) {
+  requireFreeBorder(mask);
+  const auto parts = partsOf(mask);
+  HandleRemoval removal = startOfRemoval(mask, parts);
+  if (!removal.needed) return removal;
+  if (wanted != HandleRepair::Fill || !removal.canFill)
+    removal.cut = differences(mask, grown(mask, parts, depth, part(progress, 0, 0.5)));
+  if (wanted != HandleRepair::Cut && removal.canFill)
+    removal.filled = differences(mask, shrunk(mask, depth, part(progress, 0.5, 1)));
+  return removal;
+}
+
+RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth, HandleRepair wanted,
+                             const Progress& progress) {
+  const HandleRemoval removal = findHandleRemoval(mask, depth, wanted, progress);
+  return removal.apply(mask, removal.chosen(wanted));
+}
+
+std::vector<std::vector<size_t>> groupsOf(const Eigen::Vector3i& size,
+                                          const std::vector<size_t>& voxels) {
+  std::set<size_t> left(voxels.begin(), voxels.end());
+  const std::ptrdiff_t row = size[0], slice = row * size[1];
+  std::vector<std::vector<size_t>> groups;
+  while (!left.empty()) {
+    std::vector<size_t> group{*left.begin()};
+    left.erase(left.begin());
+    for (size_t at = 0; at < group.size(); ++at)
+      for (int n = 0; n < 27; ++n) {
+        const auto next =
+            left.find(stepped(group[at], n % 3 - 1 + (n / 3 % 3 - 1) * row + (n / 9 - 1) * slice));
+        if (next == left.end()) continue;
+        group.push_back(*next);
+        left.erase(next);
+      }
+    groups.push_back(std::move(group));
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return groups;
 }
 
 void moveBySimplePoints(Mask& mask, const std::vector<float>& values) {

@@ -27,6 +27,10 @@ long fillCavities(Mask& mask);
 /// FaceRule::SeparateInside): the sum over its components of 2 - 2 genus.
 long surfaceEulerCharacteristic(const Mask& mask);
 
+/// How handles are removed; LessChange: whichever of the two changes fewer voxels, cutting when
+/// equal.
+enum class HandleRepair { LessChange, Cut, Fill };
+
 /// What removeHandles did.
 struct RemovedHandles {
   enum class By { Nothing, Cutting, Filling };
@@ -35,20 +39,47 @@ struct RemovedHandles {
   long changedVoxels = 0;
 };
 
-/// Makes every part of the mask a ball in the sense of topology: no handles, no cavities; the
-/// number of parts stays. A mask that is so already is not touched.
-///
+/// Ways to make every part of a mask a ball in the sense of topology.
+struct HandleRemoval {
+  long handles = 0;                 ///< as in RemovedHandles
+  bool needed = false;              ///< whether there are handles or cavities at all
+  bool canFill = false;             ///< whether there is one part only
+  std::vector<size_t> cut, filled;  ///< indices of the voxels that each way changes, ascending
+
+  /// The way that is taken where this mask is alone: Cut, where filling is not possible.
+  HandleRepair chosen(HandleRepair wanted) const;
+  /// Changes the mask that this was found for; wanted: Cut or Fill.
+  RemovedHandles apply(Mask& mask, HandleRepair wanted) const;
+};
+
+/// Whether a mask has handles or cavities.
+bool needsHandleRemoval(const Mask& mask);
+
 /// Fronts of simple points: from the deepest voxel of each part outwards, deepest first, as far as
-/// the mask goes, which cuts the handles where they are thinnest; or, for one part, from a box
-/// round it inwards, farthest first, as far as the mask allows, which fills them by membranes.
-/// Whichever changes fewer voxels (cutting when equal). The topology of a front never changes, so
-/// the result has that of the seed. S. Bischoff and L. Kobbelt, Isosurface reconstruction with
-/// topology control, Pacific Graphics 2002; X. Han, C. Xu and J. L. Prince, A topology preserving
-/// level set method for geometric deformable models, 2003.
+/// the mask goes, which cuts the handles where they are thinnest; and, for one part, from a box
+/// round it inwards, farthest first, as far as the mask allows, which fills them by membranes. The
+/// topology of a front never changes, so the result has that of the seed: no handles, no cavities,
+/// as many parts as before. S. Bischoff and L. Kobbelt, Isosurface reconstruction with topology
+/// control, Pacific Graphics 2002; X. Han, C. Xu and J. L. Prince, A topology preserving level set
+/// method for geometric deformable models, 2003.
 ///
-/// depth: one value per voxel, the larger the deeper inside (a signed distance).
+/// depth: one value per voxel, the larger the deeper inside (a signed distance; or one that several
+/// masks have in common, so that their handles are cut and filled at the same places). wanted: only
+/// the ways that this asks for are tried.
+HandleRemoval findHandleRemoval(const Mask& mask, const std::vector<float>& depth,
+                                HandleRepair wanted = HandleRepair::LessChange,
+                                const Progress& progress = {});
+
+/// Makes every part of the mask a ball by findHandleRemoval; the number of parts stays. A mask that
+/// is so already is not touched. Several parts are cut, whatever is wanted.
 RemovedHandles removeHandles(Mask& mask, const std::vector<float>& depth,
+                             HandleRepair wanted = HandleRepair::LessChange,
                              const Progress& progress = {});
+
+/// The voxels of a list in groups that hang together through faces, edges and corners; the largest
+/// group first, of equal ones that of the smallest index.
+std::vector<std::vector<size_t>> groupsOf(const Eigen::Vector3i& size,
+                                          const std::vector<size_t>& voxels);
 
 /// Moves the mask towards the voxels with a positive value, by simple points only, each voxel at
 /// most once and only where it was simple to begin with: the topology stays, and what is one voxel

@@ -12,6 +12,7 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/sentence.h"
 #include "vcg_ext/volume/distance_transform.h"
+#include "vcg_ext/volume/slice_alignment.h"
 #include "vcg_ext/volume/slice_holes.h"
 
 namespace sphere_propagation {
@@ -417,6 +418,14 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels,
   InterpolatedLabels result;
   result.labelVolume = static_cast<double>(stack.voxels) * labels.voxelVolume();
   result.betweenSlices = stack.spacing[2] >= anisotropy * stack.spacing.head<2>().minCoeff();
+  if (result.betweenSlices || parameters.alignSlices) {
+    const std::vector<SliceShift> shifts = findSliceShifts(stack.mask, stack.spacing);
+    for (const SliceShift& shift : shifts)
+      result.unevenSlices.push_back(
+          {shift.slice + stack.first[2],
+           shift.voxels.cast<double>().cwiseProduct(stack.spacing.head<2>()).norm(), shift.alone});
+    if (parameters.alignSlices) stack.first.head<2>() -= moveSlices(stack.mask, shifts);
+  }
   const Slices slices = slicesOf(stack.mask, parameters.longestGap,
                                  result.betweenSlices ? minShareAcross : minShareInSpace);
   result.interpolatedSlices = slices.interpolated;
@@ -436,6 +445,7 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels,
     if (slices.interpolated > 0) fillGaps(stack, slices);
     interpolateInSpace(stack, result.grid);
   }
+  result.stack = {stack.mask, stack.spacing, stack.first[2]};
   result.toWorld = stack.toWorld;
   result.toWorld.col(3) +=
       stack.toWorld.leftCols<3>() * stack.first.cast<double>().cwiseProduct(stack.spacing);

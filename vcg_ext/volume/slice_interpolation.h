@@ -9,18 +9,40 @@ namespace sphere_propagation {
 
 struct SliceInterpolationParameters {
   std::vector<std::int32_t> labels{
-      1};                ///< what counts as inside: the union of these; none of them 0
-  double voxelSize = 0;  ///< edge of the cubes, mm; 0: the smallest spacing of the labels
-  int longestGap = 10;   ///< so many empty slices in a row are interpolated, >= 0
+      1};                    ///< what counts as inside: the union of these; none of them 0
+  double voxelSize = 0;      ///< edge of the cubes, mm; 0: the smallest spacing of the labels
+  int longestGap = 10;       ///< so many empty slices in a row are interpolated, >= 0
+  bool alignSlices = false;  ///< move slices in their plane so that the stack is smooth
+};
+
+/// A slice that does not follow from those beside it (findSliceShifts).
+struct UnevenSlice {
+  int slice = 0;       ///< its index in the labels, along the slices' axis
+  double shift = 0;    ///< how far it was moved, or would have to be, mm
+  bool alone = false;  ///< whether it hardly met the slices beside it
+};
+
+/// The voxels with the labels, cut out, slices along the last axis, as they were interpolated.
+struct LabelStack {
+  Mask mask;
+  Vector3 spacing = Vector3::Ones();  ///< voxel (i, j, k) lies at (i, j, k) spacing in the
+                                      ///< coordinates of the working grid
+  int firstSlice = 0;                 ///< the index in the labels of k = 0
 };
 
 /// Where the union of some labels is, as a signed distance on a grid of cubes.
 struct InterpolatedLabels {
   ScalarGrid grid;  ///< mm, positive inside; at least three samples at each border are negative
-  Eigen::Matrix4d toWorld;     ///< from the coordinates of `grid` (a rotation, a shear, or a
-                               ///< reflection) to mm in the world
-  double labelVolume = 0;      ///< of the voxels with these labels, mm^3
-  int interpolatedSlices = 0;  ///< empty ones between others
+  Eigen::Matrix4d toWorld =
+      Eigen::Matrix4d::Identity();  ///< from the coordinates of `grid` (a rotation, a shear, or a
+                                    ///< reflection) to mm in the world
+  Vector3 worldOf(const Vector3& x) const {  ///< of a place in the coordinates of `grid`
+    return toWorld.topLeftCorner<3, 3>() * x + toWorld.topRightCorner<3, 1>();
+  }
+  double labelVolume = 0;                 ///< of the voxels with these labels, mm^3
+  int interpolatedSlices = 0;             ///< empty ones between others
+  std::vector<UnevenSlice> unevenSlices;  ///< looked for between slices, and where they are aligned
+  LabelStack stack;
   bool betweenSlices =
       false;  ///< whether the slices lie so far apart that shape-based interpolation was called for
 };
@@ -35,6 +57,8 @@ struct InterpolatedLabels {
 /// holes lead through (SliceHoles), what it fills and its holes are interpolated by themselves, and
 /// the wall is the one without the other. Else: signed distances in space, linear interpolation.
 /// Slices are those along the axis of the largest spacing, of equal ones the last.
+///
+/// With alignSlices, slices are moved first, in whole voxels (slice_alignment.h).
 ///
 /// An empty slice is interpolated between its neighbours when there are at most `longestGap` in a
 /// row and the smaller of the two slices beside the gap has at least a tenth of the other's voxels

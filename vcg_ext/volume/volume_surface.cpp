@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -104,50 +105,110 @@ void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviatio
   }
 }
 
+/// Slices of which half or more is inside no more.
+std::vector<int> lostSlicesOf(const WorkingVolume& volume) {
+  const LabelStack& stack = volume.field.stack;
+  const ScalarGrid& grid = volume.field.grid;
+  std::vector<int> lost;
+  for (int k = 0; k < stack.mask.size[2]; ++k) {
+    long before = 0, after = 0;
+    for (int j = 0; j < stack.mask.size[1]; ++j)
+      for (int i = 0; i < stack.mask.size[0]; ++i) {
+        if (stack.mask(i, j, k) == 0) continue;
+        const Vector3 x = Vector3(i, j, k).cwiseProduct(stack.spacing) - grid.origin;
+        const Eigen::Vector3i at =
+            (x / grid.spacing[0]).array().round().cast<int>().max(0).min(grid.size.array() - 1);
+        const size_t sample = grid.index(at[0], at[1], at[2]);
+        before += grid.values[sample] > 0;
+        after += volume.mask.values[sample];
+      }
+    if (after < before && 2 * after <= before) lost.push_back(k + stack.firstSlice);
+  }
+  return lost;
+}
+
 }  // namespace
 
-VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
+WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
                             const Progress& progress) {
   requireRange("smoothing in working voxels", parameters.smoothing,
                Range::between(0, VolumeSurfaceParameters::maxSmoothing));
-  InterpolatedLabels field = interpolateSlices(labels, parameters.interpolation);
-  ScalarGrid& grid = field.grid;
-  const double h = grid.spacing[0];
-  report(progress, 0.2);
-
-  VolumeSurface result;
-  result.labelVolume = field.labelVolume;
-  result.voxelSize = h;
-  result.interpolatedSlices = field.interpolatedSlices;
-  Mask mask(grid.size);
+  WorkingVolume volume;
+  volume.field = interpolateSlices(labels, parameters.interpolation);
+  const ScalarGrid& grid = volume.field.grid;
+  VolumeSurface& result = volume.surface;
+  result.labelVolume = volume.field.labelVolume;
+  result.voxelSize = grid.spacing[0];
+  result.interpolatedSlices = volume.field.interpolatedSlices;
+  Mask& mask = volume.mask = Mask(grid.size);
   for (size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = grid.values[i] > 0;
   result.workingVoxels = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
-  if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(h));
-  if (parameters.keepLargestComponent) result.dropped = keepLargestPart(mask);
+  if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(result.voxelSize));
+  result.unevenSlices = volume.field.unevenSlices;
+  if (parameters.keepLargestComponent) {
+    result.dropped = keepLargestPart(mask);
+    if (result.dropped.parts > 0) result.lostSlices = lostSlicesOf(volume);
+  }
   if (parameters.fillHoles) result.filledVoxels = fillCavities(mask);
-  if (parameters.cutHandles)
-    result.handles = removeHandles(mask, grid.values, part(progress, 0.2, 0.8));
+  report(progress, 1);
+  return volume;
+}
 
+void removeHandles(WorkingVolume& volume, const HandleRemoval& removal, HandleRepair repair) {
+  const ScalarGrid& grid = volume.field.grid;
+  volume.surface.handles = removal.apply(volume.mask, repair);
+  volume.surface.handlePlaces.clear();
+  if (!removal.needed) return;
+  for (const auto& group :
+       groupsOf(grid.size,
+                removal.chosen(repair) == HandleRepair::Fill ? removal.filled : removal.cut)) {
+    Vector3 sum = Vector3::Zero();
+    const auto row = static_cast<size_t>(grid.size[0]), slice = grid.index(0, 0, 1);
+    for (const size_t i : group)
+      sum += Vector3(static_cast<double>(i % row), static_cast<double>(i % slice / row),
+                     static_cast<double>(i / slice));
+    const Vector3 centre =
+        grid.origin + (sum / static_cast<double>(group.size())).cwiseProduct(grid.spacing);
+    volume.surface.handlePlaces.push_back(
+        {volume.field.worldOf(centre), static_cast<long>(group.size())});
+  }
+}
+
+VolumeSurface surfaceOf(WorkingVolume volume, double smoothing, const Progress& progress) {
+  ScalarGrid& grid = volume.field.grid;
+  const double h = grid.spacing[0];
   std::vector<float> signedDistances = grid.values;
   for (size_t i = 0; i < signedDistances.size(); ++i)
-    if ((signedDistances[i] > 0) != (mask.values[i] != 0))
-      signedDistances[i] = static_cast<float>(mask.values[i] != 0 ? h : -h);
-  const double volume = volumeOf(signedDistances, h);
+    if ((signedDistances[i] > 0) != (volume.mask.values[i] != 0))
+      signedDistances[i] = static_cast<float>(volume.mask.values[i] != 0 ? h : -h);
+  const double enclosed = volumeOf(signedDistances, h);
   signedDistances = {};
-  smoothField(grid, mask, h, parameters.smoothing);
-  report(progress, 0.9);
+  smoothField(grid, volume.mask, h, smoothing);
+  report(progress, 0.5);
 
   IsoSurface surface = marchingCubes(grid, 0, FaceRule::SeparateInside);
   relax(surface.vertices, surface.faces);
-  restoreVolume(surface.vertices, surface.faces, volume, maxShift * h);
-  const Eigen::Matrix3d linear = field.toWorld.topLeftCorner<3, 3>();
+  restoreVolume(surface.vertices, surface.faces, enclosed, maxShift * h);
+  const Eigen::Matrix3d linear = volume.field.toWorld.topLeftCorner<3, 3>();
+  VolumeSurface result = std::move(volume.surface);
   result.vertices = (surface.vertices * linear.transpose()).rowwise() +
-                    field.toWorld.topRightCorner<3, 1>().transpose();
+                    volume.field.toWorld.topRightCorner<3, 1>().transpose();
   result.faces = std::move(surface.faces);
   if (linear.determinant() < 0) result.faces.col(1).swap(result.faces.col(2));
   result.volume = enclosedVolume(result.vertices, result.faces);
   report(progress, 1);
   return result;
+}
+
+VolumeSurface volumeSurface(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
+                            const Progress& progress) {
+  WorkingVolume volume = workingVolume(labels, parameters, part(progress, 0, 0.2));
+  if (parameters.cutHandles) {
+    const HandleRemoval removal = findHandleRemoval(
+        volume.mask, volume.field.grid.values, parameters.handleRepair, part(progress, 0.2, 0.8));
+    removeHandles(volume, removal, removal.chosen(parameters.handleRepair));
+  }
+  return surfaceOf(std::move(volume), parameters.smoothing, part(progress, 0.8, 1));
 }
 
 }  // namespace sphere_propagation

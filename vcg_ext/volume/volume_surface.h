@@ -16,6 +16,13 @@ struct VolumeSurfaceParameters {
   bool fillHoles = true;  ///< cavities that the labels enclose completely
   bool keepLargestComponent = true;  ///< drop all parts but the one with the most working voxels
   bool cutHandles = true;            ///< every part comes out of genus 0, without cavities
+  HandleRepair handleRepair = HandleRepair::LessChange;  ///< how, where there is one part
+};
+
+/// Voxels that were changed to remove a handle, or a part of what it took.
+struct HandlePlace {
+  Vector3 centre = Vector3::Zero();  ///< the mean of the voxels, mm, in the world
+  long voxels = 0;                   ///< of the working grid
 };
 
 struct VolumeSurface {
@@ -25,11 +32,31 @@ struct VolumeSurface {
   double volume = 0;       ///< that the surface encloses, mm^3
   double voxelSize = 0;    ///< of the working grid, mm
   int interpolatedSlices = 0;
-  long workingVoxels = 0;  ///< inside, before anything was filled, dropped or cut
-  long filledVoxels = 0;   ///< of the working grid, in cavities
-  DroppedParts dropped;    ///< of the working grid
-  RemovedHandles handles;  ///< of the working grid
+  long workingVoxels = 0;       ///< inside, before anything was filled, dropped or cut
+  long filledVoxels = 0;        ///< of the working grid, in cavities
+  DroppedParts dropped;         ///< of the working grid
+  std::vector<int> lostSlices;  ///< indices of slices at least half of which was dropped
+  std::vector<UnevenSlice> unevenSlices;
+  RemovedHandles handles;                 ///< of the working grid
+  std::vector<HandlePlace> handlePlaces;  ///< groups of changed voxels, the largest first
 };
+
+/// A phase on its way to a surface: where it is inside, before handles are removed.
+struct WorkingVolume {
+  InterpolatedLabels field;
+  Mask mask;              ///< of field.grid: without what was dropped, with what was filled
+  VolumeSurface surface;  ///< what is known of it so far; no vertices
+};
+
+/// Steps 1 and 2 of volumeSurface. Throws what that throws.
+WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters = {},
+                            const Progress& progress = {});
+
+/// Removes handles from a phase and notes it.
+void removeHandles(WorkingVolume& volume, const HandleRemoval& removal, HandleRepair repair);
+
+/// Steps 3 to 5 of volumeSurface, of a phase whose handles have been removed as asked for.
+VolumeSurface surfaceOf(WorkingVolume volume, double smoothing, const Progress& progress = {});
 
 /// 1. interpolateSlices; inside is where it is positive. 2. keepLargestPart, fillCavities,
 /// removeHandles, as asked for.

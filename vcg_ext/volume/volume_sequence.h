@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// From the labels of many phases to a surface each, their handles removed alike.
+
+#include <optional>
+#include <vector>
+
+#include "vcg_ext/volume/common_depth.h"
+#include "vcg_ext/volume/volume_surface.h"
+
+namespace sphere_propagation {
+
+/// volumeSurface of every phase, with one difference: where phases have handles and lie on the same
+/// grid, these are cut in all of them or filled in all of them, at the same places, for the phases'
+/// surfaces are to correspond. The places are chosen by what the phases have in common
+/// (CommonDepth, of all phases, those without handles too); LessChange is decided by the sum over
+/// the phases.
+///
+/// Phases with handles are kept until all were added; where they take more than `maxKept` samples,
+/// those added so far are decided by themselves.
+class VolumeSequence {
+ public:
+  static constexpr size_t maxKept = 400'000'000;
+
+  explicit VolumeSequence(VolumeSurfaceParameters parameters);
+
+  /// Throws what volumeSurface throws, and then the phase counts for nothing.
+  void add(const LabelGrid& labels, const Progress& progress = {});
+  size_t phases() const { return phases_.size(); }
+  /// Of a phase, in the order in which they were added; once each, when all were.
+  VolumeSurface surface(size_t phase, const Progress& progress = {});
+
+ private:
+  /// A phase whose handles have to be removed yet, or one with its surface.
+  struct Phase {
+    std::optional<WorkingVolume> volume;
+    std::optional<Eigen::Vector3i> place;  // in common_; none where grids do not agree
+    HandleRemoval removal;
+    std::optional<VolumeSurface> surface;
+  };
+  void removeOpenHandles(const Progress& progress);
+
+  VolumeSurfaceParameters parameters_;
+  CommonDepth common_;
+  std::vector<Phase> phases_;
+  size_t kept_ = 0;
+};
+
+}  // namespace sphere_propagation
