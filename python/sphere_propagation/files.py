@@ -224,7 +224,10 @@ def _reading(path) -> Iterator[Path]:
         if not path.is_file():
             raise FileError(f"There is no file {path}.")
         if is_label_volume(path):
-            raise FileError(f"{path} is a label volume: read_label_volume makes surfaces of it.")
+            raise FileError(
+                f"{path} is a label volume: read_label_volume, and the command run, make surfaces "
+                "of it."
+            )
         yield path
 
 

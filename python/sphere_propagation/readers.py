@@ -163,16 +163,24 @@ def _read_vtk(path: Path) -> Found:
 
 def _vtk_data(path: Path):
     """What VTK reads, and its first complaint, which would otherwise go to standard error."""
-    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+    from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkUnstructuredGridReader
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
     start = _start(path, 1 << 12)
     if path.suffix.lower() == ".vtk":
-        if not start.lower().startswith(b"# vtk datafile"):
+        if not re.match(rb"# vtk datafile version \d+\.\d+\s", start, re.I):
             raise FileError(f"{path} cannot be read as a mesh. It has no VTK header.")
-        if _is_cut_off(path.read_bytes()):
-            raise FileError(f"{path} cannot be read as a mesh. It ends too early.")
-        reader = vtkDataSetReader()
+        if _is_damaged(path.read_bytes()):
+            raise FileError(f"{path} cannot be read as a mesh. It ends too early, or is damaged.")
+        # The reader of all kinds crashes where a header names none.
+        kind = re.search(rb"^DATASET[ \t]+(\w+)", start, re.M | re.I)
+        if not kind:
+            raise FileError(f"{path} cannot be read as a mesh. It has no VTK header.")
+        if kind[1].upper() not in (b"POLYDATA", b"UNSTRUCTURED_GRID"):
+            raise FileError(f"{path} holds no surface, but {kind[1].decode()}.")
+        reader = (
+            vtkPolyDataReader() if kind[1].upper() == b"POLYDATA" else vtkUnstructuredGridReader()
+        )
         for kind in ("Scalars", "Fields"):
             getattr(reader, f"ReadAll{kind}On")()
     else:
@@ -187,18 +195,17 @@ def _vtk_data(path: Path):
     reader.SetFileName(str(path))
     with _listening() as said:
         reader.Update()
-    data = reader.GetOutput()
-    if path.suffix.lower() == ".vtk" and data is None:
-        return None, said() or "It holds nothing."
-    return data, said()
+    return reader.GetOutput(), said()
 
 
-def _is_cut_off(content: bytes) -> bool:
-    """Whether a .vtk file has less than its header promises: VTK then makes faces of what happens
-    to be in memory, without a word, or fails. Looks as far as the cells."""
+def _is_damaged(content: bytes) -> bool:
+    """Whether a .vtk file has less than its header promises, or cells of impossible sizes: VTK then
+    makes faces of what happens to be in memory, without a word, or crashes. Looks as far as the
+    cells."""
     lines = content[:1024].splitlines(keepends=True)[:3]
     at = sum(map(len, lines))
     ascii = len(lines) > 2 and lines[2].strip().upper() == b"ASCII"
+    version = [int(digits) for digits in re.findall(rb"\d+", lines[0])]
 
     def next_words():
         nonlocal at
@@ -223,6 +230,8 @@ def _is_cut_off(content: bytes) -> bool:
             elif words[0].upper() in ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"):
                 offsets, indices, before = int(words[1]), int(words[2]), at
                 words = next_words()
+                if (words[:1] == ["OFFSETS"]) != (version >= [5, 1]):
+                    return True
                 if words[:1] == ["OFFSETS"]:
                     skip(offsets, words[1].lower())
                     words = next_words()
@@ -232,6 +241,8 @@ def _is_cut_off(content: bytes) -> bool:
                 else:
                     at = before
                     skip(indices, "int")
+                    if not ascii and not _are_cells(content[before:at], offsets):
+                        return True
             elif words[0].upper() == "CELL_TYPES":
                 skip(int(words[1]), "int")
             elif words[0].upper() == "METADATA":
@@ -246,6 +257,19 @@ def _is_cut_off(content: bytes) -> bool:
     return False
 
 
+def _are_cells(content: bytes, count: int) -> bool:
+    """Whether these are so many cells, each the number of its corners and these."""
+    numbers = np.frombuffer(content[: len(content) // 4 * 4], ">i4")
+    if len(numbers) == 4 * count and (numbers[::4] == 3).all():
+        return True
+    at = 0
+    for _ in range(count):
+        if at >= len(numbers) or numbers[at] < 0:
+            return False
+        at += int(numbers[at]) + 1
+    return at == len(numbers)
+
+
 @contextmanager
 def _listening() -> Iterator[Callable[[], str]]:
     """Gives what tells of VTK's errors within, in its own words."""
@@ -255,10 +279,12 @@ def _listening() -> Iterator[Callable[[], str]]:
     level = vtkLogger.GetCurrentVerbosityCutoff()
 
     def said() -> str:
-        lines = ear.GetOutput().splitlines()
+        text = ear.GetOutput()
+        text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+        lines = text.splitlines()
         words = [
-            re.sub(r"^\w+ \(0x[0-9a-f]+\): ", "", text)
-            for line, text in zip(lines, lines[1:])
+            re.sub(r"^\w+ \(0x[0-9a-f]+\): ", "", words)
+            for line, words in zip(lines, lines[1:])
             if re.match("ERROR:|Warning:", line)
         ]
         return words[0] if words else ""
@@ -302,11 +328,14 @@ def _in_triangles(path: Path, data: Any) -> Any:
         geometry.Update()
         data = geometry.GetOutput()
     elif not data.IsA("vtkPolyData"):
-        raise FileError(f"{path} holds no surface, but {data.GetClassName()[3:]}.")
+        raise FileError(f"{path} holds no surface, but {data.GetClassName()}.")
     if not data.GetNumberOfPolys() and not data.GetNumberOfStrips():
         raise FileError(f"{path} holds no triangles.")
     for cells in (data.GetPolys(), data.GetStrips()):
         indices = adapters.numbers_of(cells.GetConnectivityArray())
+        ends = adapters.numbers_of(cells.GetOffsetsArray())
+        if len(ends) and (ends[0] or ends[-1] != len(indices) or (np.diff(ends) < 0).any()):
+            raise FileError(f"{path} cannot be read as a mesh. It ends too early, or is damaged.")
         if indices.size and (indices.min() < 0 or indices.max() >= data.GetNumberOfPoints()):
             raise FileError(
                 f"{path} cannot be read as a mesh. Its faces name vertices that it lacks."

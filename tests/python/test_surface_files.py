@@ -312,9 +312,12 @@ def lost_vertex(path, v, f):
 
 VTK_HEAD = b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"
 NO_SURFACE = {
-    "image.vtk": (image, "holds no surface, but StructuredPoints"),
+    "image.vtk": (image, "holds no surface, but STRUCTURED_POINTS"),
     "tetrahedra.vtk": (tetrahedra, r"holds a mesh of solids.* mesh = (.*)"),
     "points.vtk": (points, "holds no triangles"),
+    "no dataset.vtk": (content(VTK_HEAD[:-18] + b"DATA\xff SET POLYDATA\n"), "no VTK header"),
+    "no kind.vtk": (content(VTK_HEAD[:-9] + b"POL\xff\n"), "no surface, but POL"),
+    "letters.vtk": (content(VTK_HEAD + b"POINTS \xff\xfe float\n"), "cannot be read as a mesh"),
     "empty.vtk": (content(b""), "It is empty"),
     "empty.stl": (content(b""), "It is empty"),
     "empty.gii": (content(b""), "It is empty"),

@@ -68,6 +68,13 @@ def test_a_wheel_that_lacks_things_is_found(wheel, tmp_path):
 
 def test_metadata_suits_pip(environment):
     assert "No broken requirements" in environment.run("pip", "check")
+    extras = environment.run(
+        "python",
+        "-c",
+        "from importlib.metadata import metadata\n"
+        "print(metadata('sphere-propagation').get_all('Provides-Extra'))",
+    )
+    assert "'surfaces'" in extras and "'pictures'" in extras
     about = environment.run("pip", "show", "sphere-propagation")
     assert f"Version: {VERSION}\n" in about and re.search(r"Requires: numpy, pymeshlab\n", about)
 
@@ -155,6 +162,12 @@ def test_the_command(environment):
         == f"sphere-propagation {VERSION}\n"
     )
     assert VERSION in environment.run("sphere-propagation", "info")
+
+
+def test_surfaces_that_need_an_extra_name_it(environment):
+    (environment.folder / "heart.vtk").write_text("# vtk DataFile Version 3.0\n")
+    said = environment.run("sphere-propagation", "convert", "heart.vtk", code=1)
+    assert "vtk, which is not installed: pip install 'sphere-propagation[surfaces]'" in said
 
 
 def test_a_package_without_its_plugin_says_so(environment):
