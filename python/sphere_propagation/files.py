@@ -233,9 +233,11 @@ def _reading(path) -> Iterator[Path]:
 
 def _load(path: Path):
     """A MeshSet with the mesh in a file that PyMeshLab opens, for one whose turn it is."""
+    # PyMeshLab may crash over these.
     if path.suffix.lower() == ".ply" and not _has_ply_header(path):
-        # PyMeshLab may crash over these.
         raise FileError(f"{path} cannot be read as a mesh. It has no PLY header.")
+    if readers.faces_lack_vertices(path):
+        raise FileError(f"{path} cannot be read as a mesh. Its faces name vertices that it lacks.")
     meshes = layers.mesh_set()
     with _plain_name(path) as name:
         here = os.getcwd()

@@ -38,6 +38,16 @@ BYTES = {
     **dict.fromkeys(("short", "unsigned_short"), 2),
     **dict.fromkeys(("double", "long", "unsigned_long", "vtktypeint64", "vtktypeuint64"), 8),
 }
+PLY_TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
 # vtkCellType: vertices and lines, which are no part of a surface, and what can be cut in triangles.
 NO_FACES, FACES = {1, 2, 3, 4}, {5, 6, 7, 8, 9}
 
@@ -88,6 +98,76 @@ def space_in_header(path: Path) -> str:
     else:
         lines = [line for line in re.split(rb"[\r\n]+", start) if line.startswith(b"#")]
     return _space_in(path, b"\n".join(lines).decode("latin-1"))
+
+
+def faces_lack_vertices(path: Path) -> bool:
+    """Whether a face of a PLY, OBJ or OFF file names a vertex that is not there, over which
+    PyMeshLab crashes. Of PLY binary files are looked at, whose faces hold nothing else."""
+    look = {".ply": _in_ply, ".obj": _in_obj, ".off": _in_off}.get(path.suffix.lower())
+    try:
+        return look is not None and look(path.read_bytes())
+    except (ValueError, IndexError, OverflowError):
+        return False  # PyMeshLab says what is wrong
+
+
+def _in_ply(content: bytes) -> bool:
+    header, end, _ = content.partition(b"end_header")
+    start = content.find(b"\n", len(header) + len(end)) + 1
+    words = [line.split() for line in header.decode("latin-1").splitlines()]
+    order = {"binary_little_endian": "<", "binary_big_endian": ">"}
+    order = next((order.get(line[1]) for line in words if line[:1] == ["format"]), None)
+    elements = [line for line in words if line[:1] in (["element"], ["property"])]
+    kinds = [line[1] for line in elements if line[0] == "element"]
+    if order is None or kinds != ["vertex", "face"]:
+        return False
+    split = next(i for i, line in enumerate(elements) if line[1] == "face")
+    faces = elements[split + 1 :]
+    if len(faces) != 1 or faces[0][1] != "list":
+        return False
+    sizes = [PLY_TYPES[line[1]] for line in elements[1:split] if line[1] in PLY_TYPES]
+    if len(sizes) != split - 1 or faces[0][2] not in PLY_TYPES or faces[0][3] not in PLY_TYPES:
+        return False
+    vertices, count = int(elements[0][2]), int(elements[split][2])
+    start += vertices * sum(int(size[1:]) for size in sizes)
+    kind = [("count", order + PLY_TYPES[faces[0][2]])]
+    kind += [("indices", order + PLY_TYPES[faces[0][3]], 3)]
+    triangles = content[start : start + count * np.dtype(kind).itemsize]
+    if len(triangles) == count * np.dtype(kind).itemsize:
+        found = np.frombuffer(triangles, kind)
+        if (found["count"] == 3).all():
+            indices = found["indices"]
+            return bool(count and (indices.min() < 0 or indices.max() >= vertices))
+    number, corner = np.dtype(kind[0][1]), np.dtype(kind[1][1])
+    for _ in range(count):
+        corners = int(np.frombuffer(content, number, 1, start)[0])
+        indices = np.frombuffer(content, corner, corners, start + number.itemsize)
+        if corners and (indices.min() < 0 or indices.max() >= vertices):
+            return True
+        start += number.itemsize + corners * corner.itemsize
+    return False
+
+
+def _in_obj(content: bytes) -> bool:
+    vertices = len(re.findall(rb"^[ \t]*v[ \t]", content, re.M))
+    for line in re.findall(rb"^[ \t]*f[ \t]+([^\r\n]*)", content, re.M):
+        for corner in line.replace(b"\\", b"").split():
+            number = re.match(rb"(-?\d+)(/|$)", corner)
+            if not number or not 1 <= abs(int(number[1])) <= vertices:
+                return True
+    return False
+
+
+def _in_off(content: bytes) -> bool:
+    lines = [line for line in content.splitlines() if line.strip() and line.lstrip()[:1] != b"#"]
+    if lines[0].strip() != b"OFF":
+        return False  # with counts behind it, or colours and normals in it
+    vertices, faces = (int(word) for word in lines[1].split()[:2])
+    for line in lines[2 + vertices : 2 + vertices + faces]:
+        words = line.split()
+        corners = [int(word) for word in words[1 : 1 + int(words[0])]]
+        if len(corners) != int(words[0]) or not all(0 <= corner < vertices for corner in corners):
+            return True
+    return False
 
 
 def turned(space: str, vertices: np.ndarray) -> np.ndarray:

@@ -310,6 +310,27 @@ def lost_vertex(path, v, f):
     )
 
 
+def with_faces_of_others(name):
+    """A face that names a vertex which is not there; PyMeshLab crashes over it."""
+
+    def write(path, v, f):
+        f = f.copy()
+        f[7, 1] = len(v)
+        if name == "ply":
+            sp.write_ply(path, v, f * 0)
+            content = path.read_bytes()
+            faces = np.empty(len(f), [("count", "u1"), ("indices", "<i4", 3)])
+            faces["count"], faces["indices"] = 3, f
+            path.write_bytes(content[: -faces.nbytes] + faces.tobytes())
+        elif name == "obj":
+            obj(path, v, f)
+        else:
+            rows = [" ".join(map(str, row)) for row in v] + [f"3 {a} {b} {c}" for a, b, c in f]
+            path.write_text("\n".join(["OFF", f"{len(v)} {len(f)} 0", *rows]) + "\n")
+
+    return write
+
+
 VTK_HEAD = b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"
 NO_SURFACE = {
     "image.vtk": (image, "holds no surface, but STRUCTURED_POINTS"),
@@ -339,6 +360,9 @@ NO_SURFACE = {
     "cut.gii": (cut(gifti("GIFTI_ENCODING_B64GZ"), 0.6), "cannot be read as GIFTI"),
     "lh.cut": (cut(freesurfer, 0.6), "cannot be read as FreeSurfer's"),
     "lost vertex.vtk": (lost_vertex, "name vertices that it lacks"),
+    "faces of others.ply": (with_faces_of_others("ply"), "name vertices that it lacks"),
+    "faces of others.obj": (with_faces_of_others("obj"), "name vertices that it lacks"),
+    "faces of others.off": (with_faces_of_others("off"), "name vertices that it lacks"),
     "labels.nii": (content(b"x"), "is a label volume"),
 }
 
