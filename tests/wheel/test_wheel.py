@@ -121,7 +121,7 @@ for name in ("egg.nii", "egg.mha", "egg.nrrd"):
     (surface,) = sp.read_label_volume(name).surfaces
     assert len(surface.vertices) - len(surface.faces) // 2 == 2
 used = {line.split()[-1] for line in open("/proc/self/maps") if "itk" in line.lower()}
-assert len(used) > 10 and all("/sphere_propagation/" in path for path in used), used
+assert used and all("/sphere_propagation/" in path for path in used), used
 """
     (environment.folder / "egg.mha").write_bytes(volume_files.meta(volume_files.egg()))
     (environment.folder / "egg.nrrd").write_bytes(volume_files.nrrd(volume_files.egg()))
