@@ -24,8 +24,6 @@ const std::array<MenuEntry, menuEntryCount> menuEntries{{
      "", nullptr},
     {"Remove Unreferenced Vertices", "meshing_remove_unreferenced_vertices", "", nullptr},
     {"Remove Zero Area Faces", "meshing_remove_null_faces", "", nullptr},
-    {"Repair non Manifold Edges", "meshing_repair_non_manifold_edges", "remove faces",
-     "Repair non Manifold Edges by removing faces"},
     {"Repair non Manifold Vertices by splitting", "meshing_repair_non_manifold_vertices", "",
      nullptr},
     {"Surface Reconstruction: Screened Poisson", "generate_surface_reconstruction_screened_poisson",
@@ -43,35 +41,39 @@ std::string_view remedyWithEntries(Fault fault) {
     case Fault::TooFewVertices:
       return "A closed surface has at least four.";
     case Fault::NonFiniteCoordinate:
-      return "Select them with <Conditional Vertex Selection>, condition \"x-x+y-y+z-z != 0\", "
-             "then <Delete Selected Vertices> and <Close Holes>.";
+      return "Drop them and close what opens with \"Prepare surface\"; or select them with "
+             "<Conditional Vertex Selection>, condition \"x-x+y-y+z-z != 0\", then <Delete Selected "
+             "Vertices> and <Close Holes>.";
     case Fault::IndexOutOfRange:
       return "The file is damaged: export it again.";
     case Fault::DegenerateFace:
-      return "Remove them with <Remove Zero Area Faces>, then <Close Holes> if there are any.";
+      return "Drop them with \"Prepare surface\", or with <Remove Zero Area Faces>, then <Close "
+             "Holes> if there are any.";
     case Fault::NonManifoldEdge:
-      return "Repair them with <Repair non Manifold Edges>, then <Close Holes>.";
+      return "Remove the fins with \"Prepare surface\".";
     case Fault::NotClosed:
-      return "Close it with <Close Holes>, whose largest size to be closed must be {low} or "
-             "more; it is 30 unless it is set.";
+      return "Close it with \"Prepare surface\", whose lids are marked; or with <Close Holes>, whose "
+             "largest size to be closed must be {low} or more; it is 30 unless it is set.";
     case Fault::NotWelded:
-      return ": unify them with <Remove Duplicate Vertices>; close what is still open with <Close "
-             "Holes>.";
+      return ": unify them with \"Prepare surface\", which also closes what is still open; or with "
+             "<Remove Duplicate Vertices>, then <Close Holes>.";
     case Fault::InconsistentOrientation:
-      return "Orient them with <Re-Orient all faces coherently>; should they point inwards then, "
-             "<Invert Faces Orientation>.";
+      return "Orient them with \"Prepare surface\", or with <Re-Orient all faces coherently>; should "
+             "they point inwards then, <Invert Faces Orientation>.";
     case Fault::UnreferencedVertex:
-      return "Remove them with <Remove Unreferenced Vertices>.";
+      return "Leave them out with \"Prepare surface\", or with <Remove Unreferenced Vertices>.";
     case Fault::NonManifoldVertex:
-      return "Separate them with <Repair non Manifold Vertices by splitting>, then keep the "
-             "largest part with <Remove Isolated pieces (wrt Face Num.)>.";
+      return "Take them apart with \"Prepare surface\"; or with <Repair non Manifold Vertices by "
+             "splitting>, then keep the largest part with <Remove Isolated pieces (wrt Face Num.)>.";
     case Fault::SeveralParts:
-      return "Keep the one that is meant with <Remove Isolated pieces (wrt Face Num.)>.";
+      return "Keep the largest with \"Prepare surface\", or the one that is meant with <Remove "
+             "Isolated pieces (wrt Face Num.)>.";
     case Fault::Handles:
-      return "Remove them before meshing (fill the tunnels in the label image), or rebuild the "
-             "surface with <Surface Reconstruction: Screened Poisson> at a lower depth.";
+      return "Remove them before meshing (fill the tunnels in the label image), or with \"Prepare "
+             "surface\" and its option \"Remove handles\", or <Surface Reconstruction: Screened "
+             "Poisson> at a lower depth, which make the surface anew.";
     case Fault::InwardOrientation:
-      return "Turn them round with <Invert Faces Orientation>.";
+      return "Turn them round with \"Prepare surface\", or with <Invert Faces Orientation>.";
     case Fault::ZeroArea:
       return "There is no surface to map: load the mesh again.";
     case Fault::Flat:

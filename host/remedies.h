@@ -27,7 +27,7 @@ struct MenuEntry {
   const char* choice;      ///< of the filter's parameters; empty: as they are
   const char* name2020;    ///< in MeshLab 2020.09; null: the same
 };
-constexpr int menuEntryCount = 15;
+constexpr int menuEntryCount = 14;
 extern const std::array<MenuEntry, menuEntryCount> menuEntries;
 
 /// `Layer "heart": it is empty. Load a closed triangle mesh into this layer, or hide or delete the

@@ -29,57 +29,52 @@ FOR_ARRAYS = {
         "Give it vertices (n, 3) and faces (k, 3), or leave it out.",
     ),
     "NonFiniteCoordinate": (
-        "Select them with",
-        "~np.isfinite(vertices).all(axis=1) tells which: whatever wrote them went wrong.",
+        "Drop them and close",
+        "sp.prepare(surface) drops them and closes what opens; ~np.isfinite(vertices).all(axis=1) tells which: whatever wrote them went wrong.",
     ),
     "IndexOutOfRange": (
         "The file is damaged",
         "((faces < 0) | (faces >= len(vertices))).any(axis=1) tells which.",
     ),
     "DegenerateFace": (
-        'Remove them with "Remove Zero Area Faces"',
+        "Drop them with",
         "Leave them out: faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)].",
     ),
     "NonManifoldEdge": (
-        "Repair them with",
-        "Leave out faces that are there twice (np.unique(np.sort(faces, axis=1), axis=0, "
-        "return_index=True)), or use meshing_repair_non_manifold_edges of a pymeshlab.MeshSet.",
+        "Remove the fins with",
+        "sp.prepare(surface) removes the fins.",
     ),
     "NotClosed": (
         "Close it with",
-        "Faces are missing there: meshing_close_holes of a pymeshlab.MeshSet makes them, with a "
-        "maxholesize above that number of edges; it is 30 unless it is given.",
+        "sp.prepare(surface) closes it by lids that are marked.",
     ),
     "NotWelded": (
         ": unify them with",
-        ": unify them by vertices, index = np.unique(vertices, axis=0, return_inverse=True); "
-        "faces = index.reshape(-1)[faces].",
+        ": sp.prepare(surface) unifies them, and closes what is still open.",
     ),
     "InconsistentOrientation": (
         "Orient them with",
-        "All must run counterclockwise as seen from outside, which "
-        "meshing_re_orient_faces_coherently of a pymeshlab.MeshSet brings about; should they point "
-        "inwards then, faces[:, ::-1].",
+        "All must run counterclockwise as seen from outside, which sp.prepare(surface) brings about.",
     ),
     "UnreferencedVertex": (
-        'Remove them with "Remove Unreferenced Vertices"',
+        "Leave them out with",
         "Leave them out: used, index = np.unique(faces, return_inverse=True); vertices[used] and "
         "index.reshape(-1, 3) are what is left.",
     ),
     "NonManifoldVertex": (
-        "Separate them with",
-        "Split them by meshing_repair_non_manifold_vertices of a pymeshlab.MeshSet, then keep the "
-        "largest part.",
+        "Take them apart with",
+        "sp.prepare(surface) takes them apart, and keeps the largest part.",
     ),
     "SeveralParts": (
-        "Keep the one that is meant",
-        "Keep the faces of the one that is meant: scipy.sparse.csgraph.connected_components tells "
+        "Keep the largest with",
+        "sp.prepare(surface) keeps the largest. Where another one is meant, keep the faces of the one that is meant: scipy.sparse.csgraph.connected_components tells "
         "the parts.",
     ),
     "Handles": (
         "Remove them before meshing",
         "Remove them before meshing, by filling the tunnels in the label image, as "
-        "read_label_volume does.",
+        "read_label_volume does; or by sp.prepare(surface, remove_handles=True), which makes the "
+        "surface anew.",
     ),
     "InwardOrientation": ("Turn them round", "Turn them round: faces[:, ::-1]."),
     "ZeroArea": (

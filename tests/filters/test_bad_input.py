@@ -58,7 +58,7 @@ DEFECTS = {
     "non-manifold edge": (
         surfaces.fin_on_an_edge,
         ["1 edge has more than two faces", "the first at face"],
-        ["Repair non Manifold Edges", "Close Holes"],
+        ["Prepare surface"],
     ),
     "non-manifold vertex": (
         surfaces.pinched_at_a_vertex,
@@ -221,6 +221,20 @@ def test_what_the_error_names_mends_it(name, tmp_path):
     returned = ms.apply_filter(ROOT)
     assert returned["flipped_faces"] == 0
     assert ms.current_mesh().vertex_number() > 100
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, defect in DEFECTS.items() if defect[2] or "parts" in name]
+)
+def test_prepare_surface_is_named_first_and_mends_it(name, tmp_path):
+    ms = pymeshlab.MeshSet()
+    add(ms, *DEFECTS[name][0](), LABEL)
+    with refused(ms, '"Prepare surface"') as refusal:
+        ms.apply_filter(ROOT)
+    named = re.findall(r'"[A-Z][A-Za-z :]+ [A-Za-z :]+"', str(refusal.value))
+    assert named[0] == '"Prepare surface"'
+    apply_by_menu_name(ms, tmp_path / "mend.mlx", "Prepare surface")
+    assert ms.apply_filter(ROOT)["flipped_faces"] == 0
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace sphere_propagation {
@@ -52,7 +53,8 @@ class Rims {
         if (from[origin(h)] < 0) from[origin(h)] = h;
       }
     std::vector<char> used(3 * mesh_.faceLid.size(), 0);
-    std::vector<std::pair<int, int>> merged;
+    std::vector<int> one(mesh_.source.size());  // what each vertex is once those that were one are
+    std::iota(one.begin(), one.end(), 0);
     for (const int start : all) {
       if (used[start]) continue;
       Ring ring;
@@ -62,28 +64,29 @@ class Rims {
         ring.push_back(h);
         h = from[target(h)];
       }
-      if (h == start) split(ring, merged);
+      if (h == start) split(ring, one);
     }
-    for (const auto& [gone, kept] : merged)
-      for (int h = 0; h < 3 * mesh_.faceCount(); ++h)
-        if (origin(h) == gone) mesh_.faces(h / 3, h % 3) = kept;
+    for (int h = 0; h < 3 * mesh_.faceCount(); ++h) mesh_.faces(h / 3, h % 3) = nowOf(one, origin(h));
+  }
+
+  static int nowOf(const std::vector<int>& one, int v) {
+    while (one[v] != v) v = one[v];
+    return v;
   }
 
   /// Splits a ring where it comes back to what was one vertex, which becomes one again.
-  void split(const Ring& ring, std::vector<std::pair<int, int>>& merged) {
+  void split(const Ring& ring, std::vector<int>& one) {
     Ring way;                 // whose origins are all different
     std::vector<int> places;  // the vertex at which each begins
     std::vector<Ring> found;
     for (const int h : ring) {
-      int at = origin(h);
-      for (const auto& [gone, kept] : merged)
-        if (at == gone) at = kept;
+      int at = nowOf(one, origin(h));
       for (size_t i = 0; i < way.size(); ++i) {
         if (places[i] != at && !isOne(places[i], at, way.size() - i)) continue;
         found.emplace_back(way.begin() + static_cast<long>(i), way.end());
         way.resize(i);
         if (places[i] != at) {
-          merged.emplace_back(at, places[i]);
+          one[at] = places[i];
           const std::vector<int> around = neighbours_[at];
           for (const int w : around) join(places[i], w);
           at = places[i];
@@ -129,12 +132,23 @@ Rows smoothedRound(const Rows& values, int reach) {
 }
 
 /// Where the surface would go on at each point of the rim: away from the wall within a few rings,
-/// across the rim, and much the same as beside it, so that noise at the rim does not count.
+/// across the rim, and much the same as beside it, so that noise at the rim does not count; but
+/// never wider than the rim, beyond which a wall that widens towards it would blow up.
 Points onwardOf(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>& rim) {
   constexpr int depth = 3;
   const auto n = static_cast<Eigen::Index>(rim.size());
   std::vector<int> sorted = rim;
   std::sort(sorted.begin(), sorted.end());
+  Vector3 across = Vector3::Zero();  // the normal of the rim's plane, should it lie in one
+  for (Eigen::Index i = 0; i < n; ++i)
+    across += (mesh.vertex(rim[i]) - mesh.vertex(rim[0]))
+                  .cross(mesh.vertex(rim[(i + 1) % n]) - mesh.vertex(rim[0]));
+  across = across.stableNormalized();
+  Points along(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i)
+    along.row(i) = (mesh.vertex(rim[(i + 1) % n]) - mesh.vertex(rim[(i + n - 1) % n])).transpose();
+  const int reach = static_cast<int>(std::min<Eigen::Index>((n - 1) / 2, 2 + n / 20));
+  along = smoothedRound(along, reach);
   Points onward = Points::Zero(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vector3 here = mesh.vertex(rim[i]);
@@ -151,13 +165,17 @@ Points onwardOf(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>
     }
     Vector3 away = Vector3::Zero();
     for (size_t j = 1; j < ball.size(); ++j) away += here - mesh.vertex(ball[j]);
-    const Vector3 along =
-        (mesh.vertex(rim[(i + 1) % n]) - mesh.vertex(rim[(i + n - 1) % n])).stableNormalized();
-    away -= along * along.dot(away);
     onward.row(i) = away.stableNormalized().transpose();
   }
-  onward = smoothedRound(onward, static_cast<int>(std::min<Eigen::Index>(n / 2, 2 + n / 20)));
-  for (Eigen::Index i = 0; i < n; ++i) onward.row(i) = onward.row(i).eval().stableNormalized();
+  onward = smoothedRound(onward, reach);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector3 tangent = along.row(i).transpose().stableNormalized();
+    Vector3 way = onward.row(i).transpose();
+    way -= tangent * tangent.dot(way);
+    const Vector3 outside = tangent.cross(across).stableNormalized();
+    if (const double wider = way.dot(outside); wider > 0) way -= wider * outside;
+    onward.row(i) = way.stableNormalized().transpose();
+  }
   return onward;
 }
 

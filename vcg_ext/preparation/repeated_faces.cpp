@@ -182,6 +182,9 @@ int mendFlatFaces(BrokenMesh& mesh) {
   constexpr int rounds = 50;
   int mended = 0;
   for (int i = 0; i < rounds; ++i) {
+    bool any = false;
+    for (int f = 0; f < mesh.faceCount() && !any; ++f) any = isFlat(mesh.vertices, mesh.faces, f);
+    if (!any) break;
     const int now = FlatFaceRound(mesh).run();
     if (now == 0) break;
     mended += now;
