@@ -42,7 +42,8 @@ std::string_view remedyWithEntries(Fault fault) {
       return "A closed surface has at least four.";
     case Fault::NonFiniteCoordinate:
       return "Drop them and close what opens with \"Prepare surface\"; or select them with "
-             "<Conditional Vertex Selection>, condition \"x-x+y-y+z-z != 0\", then <Delete Selected "
+             "<Conditional Vertex Selection>, condition \"x-x+y-y+z-z != 0\", then <Delete "
+             "Selected "
              "Vertices> and <Close Holes>.";
     case Fault::IndexOutOfRange:
       return "The file is damaged: export it again.";
@@ -52,19 +53,22 @@ std::string_view remedyWithEntries(Fault fault) {
     case Fault::NonManifoldEdge:
       return "Remove the fins with \"Prepare surface\".";
     case Fault::NotClosed:
-      return "Close it with \"Prepare surface\", whose lids are marked; or with <Close Holes>, whose "
+      return "Close it with \"Prepare surface\", whose lids are marked; or with <Close Holes>, "
+             "whose "
              "largest size to be closed must be {low} or more; it is 30 unless it is set.";
     case Fault::NotWelded:
       return ": unify them with \"Prepare surface\", which also closes what is still open; or with "
              "<Remove Duplicate Vertices>, then <Close Holes>.";
     case Fault::InconsistentOrientation:
-      return "Orient them with \"Prepare surface\", or with <Re-Orient all faces coherently>; should "
+      return "Orient them with \"Prepare surface\", or with <Re-Orient all faces coherently>; "
+             "should "
              "they point inwards then, <Invert Faces Orientation>.";
     case Fault::UnreferencedVertex:
       return "Leave them out with \"Prepare surface\", or with <Remove Unreferenced Vertices>.";
     case Fault::NonManifoldVertex:
       return "Take them apart with \"Prepare surface\"; or with <Repair non Manifold Vertices by "
-             "splitting>, then keep the largest part with <Remove Isolated pieces (wrt Face Num.)>.";
+             "splitting>, then keep the largest part with <Remove Isolated pieces (wrt Face "
+             "Num.)>.";
     case Fault::SeveralParts:
       return "Keep the largest with \"Prepare surface\", or the one that is meant with <Remove "
              "Isolated pieces (wrt Face Num.)>.";

@@ -67,8 +67,8 @@ FOR_ARRAYS = {
     ),
     "SeveralParts": (
         "Keep the largest with",
-        "sp.prepare(surface) keeps the largest. Where another one is meant, keep the faces of the one that is meant: scipy.sparse.csgraph.connected_components tells "
-        "the parts.",
+        "sp.prepare(surface) keeps the largest. Where another one is meant, keep its faces: "
+        "scipy.sparse.csgraph.connected_components tells the parts.",
     ),
     "Handles": (
         "Remove them before meshing",

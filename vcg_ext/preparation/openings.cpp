@@ -66,7 +66,8 @@ class Rims {
       }
       if (h == start) split(ring, one);
     }
-    for (int h = 0; h < 3 * mesh_.faceCount(); ++h) mesh_.faces(h / 3, h % 3) = nowOf(one, origin(h));
+    for (int h = 0; h < 3 * mesh_.faceCount(); ++h)
+      mesh_.faces(h / 3, h % 3) = nowOf(one, origin(h));
   }
 
   static int nowOf(const std::vector<int>& one, int v) {
