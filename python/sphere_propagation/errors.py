@@ -54,7 +54,7 @@ FOR_ARRAYS = {
     ),
     "InconsistentOrientation": (
         "Orient them with",
-        "All must run counterclockwise as seen from outside, which sp.prepare(surface) brings about.",
+        "All must run counterclockwise as seen from outside: sp.prepare(surface) turns them so.",
     ),
     "UnreferencedVertex": (
         "Leave them out with",
