@@ -30,7 +30,8 @@ FOR_ARRAYS = {
     ),
     "NonFiniteCoordinate": (
         "Drop them and close",
-        "sp.prepare(surface) drops them and closes what opens; ~np.isfinite(vertices).all(axis=1) tells which: whatever wrote them went wrong.",
+        "sp.prepare(surface) drops them and closes what opens; "
+        "~np.isfinite(vertices).all(axis=1) tells which: whatever wrote them went wrong.",
     ),
     "IndexOutOfRange": (
         "The file is damaged",
