@@ -315,6 +315,17 @@ TEST(SurfacePreparation, ContinuesASphere) {
   }
 }
 
+TEST(SurfacePreparation, MakesNoLidWiderThanItsRim) {
+  const double z = -0.5, radius = std::sqrt(1 - z * z);  // the wall widens towards the rim
+  const PreparedMesh result = prepared(bowl(z, 48, 16));
+  ASSERT_TRUE(isClosed(result));
+  for (Eigen::Index v = 0; v < result.vertices.rows(); ++v)
+    if (result.lid[v] > 0) {
+      EXPECT_LT(result.vertices.row(v).head<2>().norm(), 1.02 * radius);
+      EXPECT_GT(result.vertices(v, 2), z);
+    }
+}
+
 TEST(SurfacePreparation, MarksLidsAndKeepsTheWall) {
   const Mesh open = bowl(0.3, 40, 20);
   const PreparedMesh result = prepared(open);
