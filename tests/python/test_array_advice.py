@@ -92,6 +92,8 @@ def test_an_opening():
     vertices, faces = vertices[used], index.reshape(-1, 3)
     text = refusal(vertices, faces)
     assert f"1 opening, the largest of {rim} edges" in text
+    prepared = advised(text, "sp.prepare(surface)", sp=sp, surface=(vertices, faces)).surface
+    assert taken(prepared.vertices, prepared.faces)
     assert "with a maxholesize above that number of edges" in text
     meshes = pymeshlab.MeshSet()
     meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
