@@ -48,13 +48,13 @@ FOR_ARRAYS = {
     "NotClosed": (
         "Close it with",
         "sp.prepare(surface) closes it by lids that are marked; so does, without marks, "
-        "meshing_close_holes of a pymeshlab.MeshSet, with a maxholesize above that number of edges; it "
-        "is 30 unless it is given.",
+        "meshing_close_holes of a pymeshlab.MeshSet, with a maxholesize above that number of edges; "
+        "it is 30 unless it is given.",
     ),
     "NotWelded": (
         ": unify them with",
-        ": unify them by sp.prepare(surface), which also closes what is still open, or by vertices, "
-        "index = np.unique(vertices, axis=0, return_inverse=True); faces = "
+        ": unify them by sp.prepare(surface), which also closes what is still open, or by "
+        "vertices, index = np.unique(vertices, axis=0, return_inverse=True); faces = "
         "index.reshape(-1)[faces].",
     ),
     "InconsistentOrientation": (
