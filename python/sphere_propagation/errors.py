@@ -48,8 +48,8 @@ FOR_ARRAYS = {
     "NotClosed": (
         "Close it with",
         "sp.prepare(surface) closes it by lids that are marked; so does, without marks, "
-        "meshing_close_holes of a pymeshlab.MeshSet, with a maxholesize above that number of edges; "
-        "it is 30 unless it is given.",
+        "meshing_close_holes of a pymeshlab.MeshSet, with a maxholesize above that number of "
+        "edges; it is 30 unless it is given.",
     ),
     "NotWelded": (
         ": unify them with",
