@@ -136,6 +136,10 @@ Fit bestFit(const PreparedSurface& from, const PreparedSurface& to,
   for (size_t i = 0; i < starts.size(); ++i)
     order.emplace_back(misfit(few, starts[i], to.vertexLocator()), i);
   std::sort(order.begin(), order.end());
+  order.erase(
+      std::unique(order.begin(), order.end(),  // in one frame several starts are the same
+                  [](const auto& a, const auto& b) { return b.first <= (1 + 1e-9) * a.first; }),
+      order.end());
   Fit best{HUGE_VAL, {}};
   for (size_t k = 0; k < std::min(startsToFit, order.size()); ++k) {
     const Isometry there =
