@@ -22,6 +22,7 @@ FUNCTIONS = {
     sp.parameterise_root: lambda job: (job.surfaces[0],),
     sp.propagate: lambda job: (job.surfaces, job.root_map),
     sp.remesh: lambda job: (job.surfaces, job.maps),
+    sp.prepare: lambda job: (job.surfaces[0],),
     sp.evaluate: lambda job: (job.surfaces, job.maps),
     sp.shape_model: lambda job: (job.landmarks, job.landmark_faces, ["a", "b"]),
     sp.map_colors: lambda job: (job.surfaces, job.maps),
