@@ -152,9 +152,10 @@ class ShapeModelFilter : public host::Filter {
     report(task.progress, 0.1);
     const Aligned aligned = alignShapes(given, procrustes);
     report(task.progress, 0.3);
-    const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon());
-    report(task.progress, 0.5);
-    const ShapeModel model = modesWanted > 0 ? all.truncated(modesWanted) : all;
+    const Eigen::Index most = modesWanted > 0 ? modesWanted : given.shapeCount();
+    const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon(), most,
+                                           part(task.progress, 0.3, 0.5));
+    const ShapeModel model = all.truncated(most);
     const ModelMeasures measures =
         measureModel(all, model.modeCount(), measureParameters, part(task.progress, 0.5, 0.9));
 

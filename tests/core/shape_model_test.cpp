@@ -124,6 +124,19 @@ TEST(ShapeModel, MoreShapesThanCoordinates) {
               1e-13);
 }
 
+TEST(ShapeModel, ComputesTheModesThatAreAskedFor) {
+  const TrainingSet set = test::trainingSet(test::ellipsoids(9, 9), test::ellipsoidFaces());
+  const ShapeModel all = buildShapeModel(set);
+  const ShapeModel few = buildShapeModel(set, std::numeric_limits<double>::epsilon(), 3);
+  EXPECT_EQ(few.modes.cols(), 3);
+  EXPECT_EQ(few.modeCount(), 8);
+  EXPECT_EQ(few.eigenvalues, all.eigenvalues);
+  EXPECT_EQ(few.totalVariance, all.totalVariance);
+  EXPECT_LT((few.modes - all.modes.leftCols(3)).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_EQ(few.scores.leftCols(3), all.scores.leftCols(3));
+  EXPECT_EQ(few.truncated(5).modeCount(), 3);
+}
+
 TEST(ShapeModel, TruncationKeepsTheFirstModes) {
   const ShapeModel model = modelOf(test::ellipsoids(6, 8)), two = model.truncated(2);
   EXPECT_EQ(two.modeCount(), 2);

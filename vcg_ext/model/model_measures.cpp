@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/random.h"
-#include "vcg_ext/model/thin_svd.h"
+#include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/model/leave_one_out.h"
 
 namespace sphere_propagation {
 namespace {
@@ -37,37 +37,57 @@ class Statistics {
   Vector mean_, squares_;
 };
 
-/// Distances of one shape from its approximations by 1 to `modes` modes of the model of the others.
-Vector leaveOneOut(const Matrix& scores, Eigen::Index left, Eigen::Index modes) {
-  const Eigen::Index others = scores.rows() - 1;
-  Matrix rest(scores.cols(), others);
-  rest.leftCols(left) = scores.topRows(left).transpose();
-  rest.rightCols(others - left) = scores.bottomRows(others - left).transpose();
-  const Vector mean = rest.rowwise().mean();
-  rest.colwise() -= mean;
-  Vector residual = scores.row(left).transpose() - mean;
-
-  const ThinSvd svd = thinSvd(rest);
-  const Vector& s = svd.s;
-  // What the rounding of the scores explains is no mode.
-  const double rounding =
-      static_cast<double>(scores.rows()) * std::numeric_limits<double>::epsilon() * scores.norm();
-  Vector distances(modes);
-  for (Eigen::Index m = 0; m < modes; ++m) {
-    if (m < std::min(s.size(), others - 1) && s[m] > rounding)
-      residual -= svd.u.col(m) * svd.u.col(m).dot(residual);
-    distances[m] = residual.norm();
-  }
-  return distances;
-}
-
 /// Squared distances of the shapes from their own approximations by the first 1 to `modes` modes,
 /// #K by modes.
 Matrix squaredTails(const Matrix& scores, Eigen::Index modes) {
   Matrix tails(scores.rows(), modes);
-  for (Eigen::Index m = 0; m < modes; ++m)
-    tails.col(m) = scores.rightCols(scores.cols() - m - 1).rowwise().squaredNorm();
+  Vector tail = scores.rightCols(scores.cols() - modes).rowwise().squaredNorm();
+  for (Eigen::Index m = modes - 1; m >= 0; --m) {
+    tails.col(m) = tail;
+    tail += scores.col(m).cwiseAbs2();
+  }
   return tails;
+}
+
+/// Distances of samples to the nearest shape, one sample per column, by number of modes. A column
+/// of the scores serves all samples while it is at hand.
+///
+/// normals: modes by samples.
+void nearestShapes(const ShapeModel& model, const Matrix& tails, const Matrix& normals,
+                   Eigen::Ref<Matrix> distances) {
+  Matrix heads = Matrix::Zero(tails.rows(), normals.cols());
+  for (Eigen::Index m = 0; m < normals.rows(); ++m)
+    for (Eigen::Index sample = 0; sample < normals.cols(); ++sample) {
+      const double b = normals(m, sample) * std::sqrt(model.eigenvalues[m]);
+      heads.col(sample) += (model.scores.col(m).array() - b).square().matrix();
+      distances(m, sample) = std::sqrt((heads.col(sample) + tails.col(m)).minCoeff());
+    }
+}
+
+void measureSpecificity(const ShapeModel& model, Eigen::Index modes,
+                        const ModelMeasureParameters& parameters, ThreadPool& pool,
+                        const Progress& progress, ModelMeasures& measures) {
+  constexpr int together = 8, tasks = 16;  // samples of a task, tasks between two reports
+  const Matrix tails = squaredTails(model.scores, modes);
+  const double perLandmark = 1 / std::sqrt(static_cast<double>(model.mean.rows()));
+  std::mt19937_64 bits(parameters.seed);
+  Statistics specificity(modes);
+  for (int begin = 0; begin < parameters.samples; begin += together * tasks) {
+    const int count = std::min(together * tasks, parameters.samples - begin);
+    Matrix normals(modes, count), distances(modes, count);
+    for (int sample = 0; sample < count; ++sample)
+      for (Eigen::Index m = 0; m < modes; ++m) normals(m, sample) = normalNumbers(bits)[0];
+    pool.forEach((count + together - 1) / together, [&](int task) {
+      const int first = task * together, size = std::min(together, count - first);
+      nearestShapes(model, tails, normals.middleCols(first, size),
+                    distances.middleCols(first, size));
+    });
+    for (int sample = 0; sample < count; ++sample)
+      specificity.add(perLandmark * distances.col(sample));
+    report(progress, static_cast<double>(begin + count) / parameters.samples);
+  }
+  measures.specificity = specificity.mean();
+  measures.specificityError = specificity.error();
 }
 
 }  // namespace
@@ -76,6 +96,7 @@ ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
                            const ModelMeasureParameters& parameters, const Progress& progress) {
   requireRange("number of samples for the specificity", parameters.samples,
                Range::between(1, ModelMeasureParameters::maxSamples));
+  requireRange("number of threads", parameters.threads, Range::atLeast(0));
   requireRange("number of modes", static_cast<double>(modes), Range::atLeast(0));
   modes = std::min(modes, model.modeCount());
   const double perLandmark = 1 / std::sqrt(static_cast<double>(model.mean.rows()));
@@ -85,30 +106,17 @@ ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
   double sum = 0;
   for (Eigen::Index m = 0; m < modes; ++m) measures.compactness[m] = sum += model.eigenvalues[m];
 
-  const Eigen::Index shapes = model.scores.rows();
-  Statistics generalisation(modes);
-  for (Eigen::Index k = 0; k < shapes && modes > 0; ++k) {
-    generalisation.add(perLandmark * leaveOneOut(model.scores, k, modes));
-    report(progress, 0.8 * static_cast<double>(k + 1) / static_cast<double>(shapes));
+  if (modes > 0) {
+    ThreadPool pool(parameters.threads);
+    const Eigen::MatrixXd distances =
+        perLandmark * leaveOneOut(model.scores, modes, pool, part(progress, 0, 0.7));
+    Statistics generalisation(modes);
+    for (Eigen::Index k = 0; k < distances.rows(); ++k)
+      generalisation.add(distances.row(k).transpose());
+    measures.generalisation = generalisation.mean();
+    measures.generalisationError = generalisation.error();
+    measureSpecificity(model, modes, parameters, pool, part(progress, 0.7, 1), measures);
   }
-  measures.generalisation = generalisation.mean();
-  measures.generalisationError = generalisation.error();
-
-  const Matrix tails = squaredTails(model.scores, modes);
-  std::mt19937_64 bits(parameters.seed);
-  Statistics specificity(modes);
-  Vector heads(shapes), distances(modes);
-  for (int sample = 0; sample < parameters.samples && modes > 0; ++sample) {
-    heads.setZero();
-    for (Eigen::Index m = 0; m < modes; ++m) {
-      const double b = normalNumbers(bits)[0] * std::sqrt(model.eigenvalues[m]);
-      heads += (model.scores.col(m).array() - b).square().matrix();
-      distances[m] = perLandmark * std::sqrt((heads + tails.col(m)).minCoeff());
-    }
-    specificity.add(distances);
-  }
-  measures.specificity = specificity.mean();
-  measures.specificityError = specificity.error();
   report(progress, 1);
   return measures;
 }

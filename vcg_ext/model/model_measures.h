@@ -16,6 +16,7 @@ struct ModelMeasureParameters {
   int samples = 1000;  ///< shapes drawn for the specificity, 1 to maxSamples
   unsigned seed = 0;   ///< of the draws: the same seed, the same samples on every machine (but for
                        ///< the last digits)
+  int threads = 0;  ///< 0: as many as the machine runs at once; the figures are the same with any
 };
 
 /// Entry m - 1 is for the model with m modes. d(x, y) = sqrt(1/#N sum_j |x_j - y_j|^2): the root
@@ -36,10 +37,10 @@ struct ModelMeasures {
 
 /// Measures the models of 1 to `modes` modes. The shapes stay as they were aligned once for all:
 /// they are not aligned again when one is left out. Nothing is lost by working on the scores, which
-/// hold all distances between shapes.
+/// hold all distances between shapes. O(#K #M) for each of the modes, and for each sample.
 ///
-/// model: with all its modes, as buildShapeModel makes it; modes: at most those of the model count.
-/// Throws ParameterError when a parameter is out of range.
+/// model: with all its scores, as buildShapeModel makes it; modes: at most those of the model
+/// count. Throws ParameterError when a parameter is out of range.
 ModelMeasures measureModel(const ShapeModel& model, Eigen::Index modes,
                            const ModelMeasureParameters& parameters = {},
                            const Progress& progress = {});

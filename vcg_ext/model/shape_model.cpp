@@ -17,6 +17,8 @@ Points asPoints(const Vector& vector) {
   return Eigen::Map<const Points>(vector.data(), vector.size() / 3, 3);
 }
 
+constexpr Eigen::Index worthThreads = 10'000'000;  // multiplications
+
 /// -1 where the mode points away from its convention.
 double signOf(const Eigen::Ref<const Vector>& mode) {
   const double largest = mode.cwiseAbs().maxCoeff();
@@ -36,12 +38,13 @@ Points ShapeModel::shape(Eigen::Index mode, double deviations) const {
 }
 
 ShapeModel ShapeModel::truncated(Eigen::Index count) const {
-  const Eigen::Index kept = std::min(count, modeCount());
+  const Eigen::Index kept = std::min(count, modes.cols());
   return {mean,          faces, modes.leftCols(kept), eigenvalues.head(kept), scores.leftCols(kept),
           totalVariance, names};
 }
 
-ShapeModel buildShapeModel(const TrainingSet& set, double epsilon) {
+ShapeModel buildShapeModel(const TrainingSet& set, double epsilon, Eigen::Index modes,
+                           const Progress& progress) {
   const Eigen::Index shapes = set.shapeCount(), size = 3 * set.landmarkCount();
   ShapeModel model;
   model.faces = set.faces();
@@ -57,17 +60,16 @@ ShapeModel buildShapeModel(const TrainingSet& set, double epsilon) {
     deviations.col(k) =
         asVector(set.shapes()[static_cast<size_t>(k)].landmarks) - asVector(model.mean);
 
-  const ThinSvd svd = thinSvd(deviations);
-  const Vector& s = svd.s;
+  // Few coordinates are done before threads have started.
+  ThreadPool pool(deviations.size() * std::min(shapes, size) < worthThreads ? 1 : 0);
   const double rounding = 8 * std::sqrt(static_cast<double>(shapes)) * epsilon * longest;
-  Eigen::Index count = 0;
-  while (count < std::min(shapes - 1, s.size()) && s[count] > rounding) ++count;
-
-  model.modes = svd.u.leftCols(count);
-  model.eigenvalues = s.head(count).cwiseAbs2() / static_cast<double>(shapes - 1);
-  model.scores = svd.v.leftCols(count) * s.head(count).asDiagonal();
+  ThinSvd svd = thinSvd(deviations, rounding, modes, pool, progress);
+  const Eigen::Index count = std::min(shapes - 1, svd.s.size());
+  model.modes = svd.u.leftCols(std::min(count, svd.u.cols()));
+  model.eigenvalues = svd.s.head(count).cwiseAbs2() / static_cast<double>(shapes - 1);
+  model.scores = svd.v.leftCols(count) * svd.s.head(count).asDiagonal();
   model.totalVariance = model.eigenvalues.sum();
-  for (Eigen::Index m = 0; m < count; ++m) {
+  for (Eigen::Index m = 0; m < model.modes.cols(); ++m) {
     const double sign = signOf(model.modes.col(m));
     model.modes.col(m) *= sign;
     model.scores.col(m) *= sign;

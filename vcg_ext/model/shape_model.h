@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "vcg_ext/base/progress.h"
 #include "vcg_ext/model/training_set.h"
 
 namespace sphere_propagation {
@@ -17,7 +18,8 @@ namespace sphere_propagation {
 struct ShapeModel {
   Points mean;                  ///< #N by 3
   Triangles faces;              ///< #F by 3
-  Eigen::MatrixXd modes;        ///< 3 #N by #M, orthonormal columns, by falling eigenvalue
+  Eigen::MatrixXd modes;        ///< 3 #N by #M, orthonormal columns, by falling eigenvalue; the
+                                ///< first of them where no more were asked for
   Eigen::VectorXd eigenvalues;  ///< #M, variances along the modes: divisor #K - 1, in the unit of
                                 ///< length squared
   Eigen::MatrixXd scores;    ///< #K by #M: row k = modes^T (shape k - mean), in the unit of length
@@ -30,7 +32,7 @@ struct ShapeModel {
   Points shape(const Eigen::VectorXd& b) const;
   /// mean + deviations sqrt(eigenvalue) mode: one mode alone, that many standard deviations away.
   Points shape(Eigen::Index mode, double deviations) const;
-  /// The same model with the first modes only; all where it has fewer. modes >= 0.
+  /// The same model with the first modes only; all where it has fewer. modeCount >= 0.
   ShapeModel truncated(Eigen::Index modeCount) const;
 };
 
@@ -38,14 +40,17 @@ struct ShapeModel {
 /// fewer where the shapes span less, none where they are identical.
 ///
 /// X = (x_1 - mean, ..., x_K - mean) = U S V^T is taken apart by a thin singular value
-/// decomposition, which costs as little as the #K by #K Gram matrix for #K << 3 #N and does not
-/// square the condition; modes U, eigenvalues S^2 / (#K - 1), scores V S. Left out are modes whose
-/// S is explained by the rounding of coordinates: at most 8 sqrt(#K) epsilon times the largest
-/// length of a shape vector. Signs: the entry of largest size in a mode is positive (the first one
-/// among such within 1e-6).
+/// decomposition; modes U, eigenvalues S^2 / (#K - 1), scores V S. It works on Gram matrices of the
+/// shapes, which costs O(#K^2 #N), without squaring the condition (thin_svd.h). Left out are modes
+/// whose S is explained by the rounding of coordinates: at most 8 sqrt(#K) epsilon times the
+/// largest length of a shape vector. Signs: the entry of largest size in a mode is positive (the
+/// first one among such within 1e-6).
 ///
-/// epsilon: the relative precision in which the coordinates were stored.
+/// epsilon: the relative precision in which the coordinates were stored; modes: how many columns of
+/// `modes` are computed, at most, where no more are wanted; eigenvalues and scores are always all.
 ShapeModel buildShapeModel(const TrainingSet& shapes,
-                           double epsilon = std::numeric_limits<double>::epsilon());
+                           double epsilon = std::numeric_limits<double>::epsilon(),
+                           Eigen::Index modes = std::numeric_limits<Eigen::Index>::max(),
+                           const Progress& progress = {});
 
 }  // namespace sphere_propagation
