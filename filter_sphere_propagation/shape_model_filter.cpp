@@ -16,6 +16,7 @@
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
+#include "vcg_ext/model/outliers.h"
 #include "vcg_ext/model/procrustes.h"
 #include "vcg_ext/model/shape_model.h"
 
@@ -67,6 +68,18 @@ TrainingSet trainingSet(const host::Task& task) {
       throw host::Refusal(messages::differentFaces, shapes.front().name, layer.label());
   }
   return {std::move(shapes), std::move(faces)};
+}
+
+void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {
+  for (const Outlier& outlier : findOutliers(given, aligned)) {
+    const std::string& name = given.shapes()[outlier.shape].name;
+    if (outlier.kind == Outlier::Kind::Shape)
+      task.sayOf(name, messages::shapeStandsOut, outlier.distance, outlier.ratio);
+    else if (outlier.ratio > 1)
+      task.sayOf(name, messages::sizeStandsOut, outlier.ratio, "larger");
+    else
+      task.sayOf(name, messages::sizeStandsOut, 1 / outlier.ratio, "smaller");
+  }
 }
 
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }
@@ -166,6 +179,7 @@ class ShapeModelFilter : public host::Filter {
                   ? std::string(", not aligned")
                   : ", aligned in " + counted(aligned.iterations, "round", "rounds")) +
              ": " + counted(modes, "mode", "modes"));
+    nameOutliers(task, given, aligned.shapes);
     if (!aligned.converged) task.say(messages::stillMoving, aligned.iterations);
     if (all.modeCount() == 0) task.say(messages::identicalShapes);
     if (modesWanted > modes) task.say(messages::fewerModes, modes);

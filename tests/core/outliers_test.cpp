@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/model/outliers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/core/test_shapes.h"
+#include "vcg_ext/model/procrustes.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr Alignment alignments[]{Alignment::Similarity, Alignment::Rigid, Alignment::None};
+
+std::vector<Outlier> outliersOf(const std::vector<Points>& shapes,
+                                Alignment alignment = Alignment::Similarity) {
+  const TrainingSet set = test::trainingSet(shapes, test::ellipsoidFaces());
+  ProcrustesParameters parameters;
+  parameters.alignment = alignment;
+  return findOutliers(set, alignShapes(set, parameters).shapes);
+}
+
+void shuffle(Points& points, unsigned seed) {
+  test::Random random(seed);
+  for (Eigen::Index j = points.rows() - 1; j > 0; --j) {
+    const auto other = static_cast<Eigen::Index>(random.uniform() * static_cast<double>(j + 1));
+    points.row(j).swap(points.row(std::min(other, j)));
+  }
+}
+
+TEST(Outliers, NamesAShapeOfAnotherUnit) {
+  for (const int count : {5, 9, 30})
+    for (const double factor : {10.0, 0.1, 25.4, 2.5})
+      for (const Alignment alignment : alignments) {
+        auto shapes = test::ellipsoids(count, 1);
+        shapes[3] *= factor;
+        const std::vector<Outlier> outliers = outliersOf(shapes, alignment);
+        ASSERT_EQ(outliers.size(), 1u) << count << " " << factor;
+        EXPECT_EQ(outliers[0].shape, 3u);
+        EXPECT_EQ(outliers[0].kind, Outlier::Kind::Size);
+        EXPECT_NEAR(outliers[0].ratio, factor, 0.3 * factor);
+      }
+}
+
+TEST(Outliers, NamesShuffledLandmarksAndMirrorImages) {
+  for (const int count : {5, 12, 30})
+    for (const Alignment alignment : alignments) {
+      auto shapes = test::ellipsoids(count, 2);
+      shuffle(shapes[1], 3);
+      std::vector<Outlier> outliers = outliersOf(shapes, alignment);
+      ASSERT_EQ(outliers.size(), 1u) << count;
+      EXPECT_EQ(outliers[0].shape, 1u);
+      EXPECT_EQ(outliers[0].kind, Outlier::Kind::Shape);
+
+      shapes = test::ellipsoids(count, 4);
+      shapes[0].col(0) *= -1;
+      outliers = outliersOf(shapes, alignment);
+      ASSERT_EQ(outliers.size(), 1u) << count;
+      EXPECT_EQ(outliers[0].shape, 0u);
+      EXPECT_GT(outliers[0].distance, 10);
+    }
+}
+
+TEST(Outliers, NamesSeveral) {
+  auto shapes = test::ellipsoids(20, 5);
+  shuffle(shapes[2], 6);
+  shapes[7] *= 10;
+  shapes[11].col(1) *= -1;
+  const std::vector<Outlier> outliers = outliersOf(shapes);
+  ASSERT_EQ(outliers.size(), 3u);
+  EXPECT_EQ(outliers[0].shape, 2u);
+  EXPECT_EQ(outliers[1].shape, 7u);
+  EXPECT_EQ(outliers[2].shape, 11u);
+}
+
+TEST(Outliers, AreNotThereInNaturalPopulations) {
+  for (const Alignment alignment : alignments) {
+    for (unsigned seed = 0; seed < 5; ++seed)
+      EXPECT_TRUE(outliersOf(test::ellipsoids(40, 10 + seed), alignment).empty());
+    // One mode, as in a cycle and as in a large population; some of the sizes vary by two.
+    const Points mean = test::ellipsoids(1, 20).front(), u = test::randomDirection(162, 21);
+    test::Random random(22);
+    std::vector<Points> line, cycle, sizes;
+    for (int k = 0; k < 1000; ++k) line.push_back(mean + 25 * random.normal() * u);
+    for (int k = 0; k < 25; ++k) {
+      const double fill = std::max(0.0, std::sin(0.25 * k));  // long at rest, short in between
+      cycle.push_back(mean + 80 * fill * u);
+    }
+    for (int k = 0; k < 30; ++k) sizes.push_back(std::exp2(random.normal() / 3) * mean);
+    EXPECT_TRUE(outliersOf(line, alignment).empty());
+    EXPECT_TRUE(outliersOf(cycle, alignment).empty());
+    EXPECT_TRUE(outliersOf(sizes, alignment).empty());
+  }
+}
+
+TEST(Outliers, NeedOthersToStandOutFrom) {
+  auto shapes = test::ellipsoids(4, 7);
+  shapes[0] *= 10;
+  EXPECT_TRUE(outliersOf(shapes).empty());
+  const Points one = test::ellipsoids(1, 8).front();
+  EXPECT_TRUE(outliersOf({one, one, one, one, one, one}).empty());
+}
+
+}  // namespace
+}  // namespace sphere_propagation
