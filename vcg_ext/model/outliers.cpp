@@ -7,14 +7,14 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr size_t fewest = 5;           // shapes that can tell which of them is apart
-constexpr double far = 4, twice = 2;   // times the third quartile
-constexpr double anotherSize = 1.8;    // factor
+constexpr size_t fewest = 5;                    // shapes that can tell which of them is apart
+constexpr double far = 4, twice = 2;            // times the third quartile
+constexpr double anotherSize = 1.8;             // factor
 constexpr double visible = 0.02, unlike = 0.5;  // shares of the shape's size
 
 double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

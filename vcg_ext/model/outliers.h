@@ -26,8 +26,9 @@ struct Outlier {
 ///   Size: more than 4 times as far from the median (in logarithms), and by a factor of 1.8 at
 ///   least.
 ///   Shape: the distance from the median shape (coordinate by coordinate), in the size that fits it
-///   best, is more than 4 times as large and 2 % of the shape's size (root mean square distance from its centroid) at least; or
-///   more than twice as large and half that size, which no two shapes of one organ are apart.
+///   best, is more than 4 times as large and 2 % of the shape's size (root mean square distance
+///   from its centroid) at least; or more than twice as large and half that size, which no two
+///   shapes of one organ are apart.
 /// Fewer than 5 shapes have none.
 ///
 /// given: as they came; aligned: the same, aligned (alignShapes).
