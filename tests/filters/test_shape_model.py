@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import cycles
 import numpy as np
@@ -357,6 +358,47 @@ for name in {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}:
         r"mode 1: standard deviation [\d.]+ per landmark, [\d.]+ % of the variance", log
     )
     assert re.search(r"Colours.*red ([\d.]+) outwards.*blue \1 inwards", log)
+
+
+def model_log(shapes, faces, folder):
+    """What the filter says of these landmark layers."""
+    np.savez(folder / "shapes.npz", shapes=shapes, faces=faces)
+    script = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import numpy as np, pymeshlab
+from documents import add
+pymeshlab.load_plugin({str(PLUGIN)!r})
+given = np.load("shapes.npz")
+ms = pymeshlab.MeshSet(verbose=True)
+for k, points in enumerate(given["shapes"]):
+    add(ms, points, given["faces"], f"shape {{k:02d}}")
+ms.apply_filter({MODEL!r})
+"""
+    return subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=folder
+    ).stderr
+
+
+def test_shapes_that_stand_out_are_named(tmp_path):
+    rng = np.random.default_rng(1)
+    project = small_model_project()
+    faces = project.mesh(0).face_matrix()
+    cycle = np.array([m.vertex_matrix() for m in project])
+    shapes = cycle.mean(0) + np.einsum(
+        "ki,inc->knc", 0.3 * rng.standard_normal((12, len(cycle))), cycle - cycle.mean(0)
+    )
+    assert "Warning" not in model_log(shapes, faces, tmp_path)
+    shapes[4] *= 10
+    shapes[7] = rng.permutation(shapes[7])
+    log = model_log(shapes, faces, tmp_path)
+    assert log.count("Warning") == 2
+    assert re.search(r"Warning: shape 04: it is [\d.]+ times larger than most shapes", log)
+    assert re.search(r"Warning: shape 07: it lies [\d.]+ from the middle of the shapes", log)
+
+
+def test_no_phase_of_a_heart_stands_out(heart, tmp_path):
+    assert "Warning" not in model_log(*heart, tmp_path)
 
 
 # ---------------------------------------------------------------- files, as others read them
