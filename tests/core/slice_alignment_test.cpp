@@ -82,6 +82,10 @@ TEST(SliceAlignment, LeavesSmoothStacksAlone) {
     const auto bent = [=](double z) { return Eigen::Vector2d(z * z / bend / 2, -0.3 * z); };
     EXPECT_TRUE(found(cup(bent)).empty()) << bend;
   }
+  const auto crooked = [](double z) {  // at its upper end
+    return Eigen::Vector2d(z > 30 ? 0.06 * (z - 30) * (z - 30) : 0, 0);
+  };
+  EXPECT_TRUE(found(cup(crooked)).empty());
   const auto tube = [](const Vector3& x) {  // a quarter of a ring
     return std::hypot(std::hypot(x[0] + 50, x[2] + 50) - 60, x[1]) < 12;
   };
@@ -90,7 +94,7 @@ TEST(SliceAlignment, LeavesSmoothStacksAlone) {
 
 TEST(SliceAlignment, FindsASliceThatStandsOut) {
   for (const bool wall : {false, true})
-    for (const int slice : {4, 5, 6, 8}) {
+    for (const int slice : {4, 5, 6, 8, 10}) {
       Shifts shifts(13, Eigen::Vector2i::Zero());
       shifts[static_cast<size_t>(slice)] = Eigen::Vector2i(6, -4);
       const auto back = found(moved(straightCup(wall), shifts));

@@ -113,6 +113,24 @@ def test_a_thin_label_that_loses_much_is_warned_of(tmp_path):
     assert figures["volume"][0] < 0.9 * figures["label_volume"][0] and figures["thin"][0] == 1
 
 
+def test_an_apex_after_another_breath_is_named_and_brought_back(tmp_path):
+    """Its slice does not touch the one beside it, and so is lost as a loose part."""
+    labels = np.zeros((64, 64, 14), np.uint8)
+    x, y = np.indices((64, 64))
+    for k in range(10):
+        radius = max(2.6, 14 * np.sqrt(1 - (k / 9) ** 1.5))
+        labels[:, :, 2 + k] = (x - 32 - 8 * (k == 9)) ** 2 + (y - 30) ** 2 < radius**2
+    path = tmp_path / "breath.nii"
+    path.write_bytes(volume_files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"breath label 1: lost .*: slice 11 .* With align_slices, .* 1 of them would be kept",
+    ):
+        (lost,) = sp.read_label_volume(path).surfaces
+    (whole,) = sp.read_label_volume(path, align_slices=True).surfaces
+    assert np.ptp(lost.vertices[:, 2]) < 92 and abs(np.ptp(whole.vertices[:, 2]) - 100) < 1  # mm
+
+
 def vertebra(thin):
     """A body with an arch that is thin in one place, on the side of this sign."""
     i, j, k = np.indices((60, 60, 30)).astype(float)

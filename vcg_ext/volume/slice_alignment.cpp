@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "vcg_ext/volume/distance_transform.h"
 #include "vcg_ext/volume/slice_holes.h"
@@ -184,6 +186,18 @@ double smaller(double a, double b) {
   return std::fabs(a) < std::fabs(b) ? a : b;
 }
 
+/// How far the outermost slice at one end lies off the straight line through the third and fourth
+/// one; infinity where that cannot be told.
+double endInLine(const Places& places, const std::vector<Outline>& outlines,
+                 const std::vector<char>& alone, bool low) {
+  const auto number = [&](size_t i) { return low ? i : outlines.size() - 1 - i; };
+  if (outlines.size() < 5 || alone[number(0)] != 0) return std::numeric_limits<double>::infinity();
+  const auto row = [&](size_t i) { return outlines[number(i)].slice - outlines.front().slice; };
+  const Place third = places.row(row(2)), fourth = places.row(row(3));
+  const double steps = static_cast<double>(row(0) - row(2)) / (row(2) - row(3));
+  return (places.row(row(0)) - (third + steps * (third - fourth))).norm();
+}
+
 }  // namespace
 
 std::vector<SliceShift> findSliceShifts(const Mask& mask, const Vector3& spacing) {
@@ -217,6 +231,7 @@ std::vector<SliceShift> findSliceShifts(const Mask& mask, const Vector3& spacing
   const Eigen::MatrixXd d = differencesOf(count, known.sum() > 5 ? 3 : 2);
   const double noise = noiseOf(places, known, d),
                scale = std::max({noise, usualNoise, 0.5 * voxel});
+  const bool smooth = noise < std::max(SliceAlignmentLimits::smoothNoise, 0.8 * voxel);
   const Places trend = trendOf(places, known, noise, scale, d);
 
   for (Eigen::Index s = 0; s < slices; ++s) {
@@ -225,14 +240,16 @@ std::vector<SliceShift> findSliceShifts(const Mask& mask, const Vector3& spacing
     const bool outermost = s == 0 || s + 1 == slices;
     if (outermost && alone[i] == 0) continue;
     Place move = trend.row(row) - places.row(row);
-    double least = std::max(SliceAlignmentLimits::least, 1.5 * voxel);
+    const double least = std::max(SliceAlignmentLimits::least, 1.5 * voxel);
     if (!outermost && alone[i] == 0) {
       const Place middle = (trend.row(row - 1) + trend.row(row + 1)) / 2 - places.row(row);
       for (int a = 0; a < 2; ++a) move[a] = smaller(move[a], middle[a]);
-      if (s == 1 || s + 2 == slices) least *= 2;
+      // Next to the first or last slice: is it off, or does that one bend away?
+      if (smooth && (s == 1 || s + 2 == slices) &&
+          !(endInLine(places, outlines, alone, s == 1) <= move.norm()))
+        continue;
     }
-    if (noise < std::max(SliceAlignmentLimits::smoothNoise, 0.8 * voxel) && move.norm() < least)
-      continue;
+    if (smooth && move.norm() < least) continue;
     const Eigen::Vector2i voxels = move.cwiseQuotient(unit).transpose().array().round().cast<int>();
     if (voxels != Eigen::Vector2i::Zero())
       shifts.push_back({outlines[i].slice, voxels, alone[i] != 0});

@@ -30,7 +30,9 @@ struct SliceShift {
 /// A slice is moved towards the trend, by no more than to the middle of the slices beside it. The
 /// first and the last one are moved only where they hardly meet the next: nothing else tells a
 /// shift from a bend. In a stack that is smooth (noise below `smoothNoise`) shifts below `least` do
-/// not count, twice that in the slice next to the first or last.
+/// not count;
+/// and the slice next to the first or last is moved only where that one lies near the straight line
+/// through the third and fourth: else it may be the one that bends away.
 ///
 /// spacing: along x, y, z, mm. Wants slices whose border is outside. Fewer than three slices with a
 /// label, or slices close to each other, tell nothing.
