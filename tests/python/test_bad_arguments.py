@@ -71,7 +71,9 @@ def test_errors_are_this_packages(function, job, tmp_path, monkeypatch):
     assert not {call: error for call, error in wrong.items() if error}
 
 
-@pytest.mark.parametrize("value", VALUES, ids=[type(value).__name__ + str(i) for i, value in enumerate(VALUES)])
+@pytest.mark.parametrize(
+    "value", VALUES, ids=[f"{type(v).__name__}{i}" for i, v in enumerate(VALUES)]
+)
 def test_a_models_shapes(value, job):
     model = sp.shape_model(job.landmarks, job.landmark_faces)
     for call in (
