@@ -68,7 +68,7 @@ def _value(thing: Any, name: str) -> Any:
 
 def mesh_of(thing: Any, name: str) -> Mesh:
     """The mesh that an object of another library is. Raises InputError for everything else."""
-    for adapt in (_path, _pair, _vtk, _pymeshlab, _gifti, _meshio, _attributes):
+    for adapt in (_prepared, _path, _pair, _vtk, _pymeshlab, _gifti, _meshio, _attributes):
         found = adapt(thing, name)
         if found is not None:
             return found
@@ -82,6 +82,20 @@ def mesh_of(thing: Any, name: str) -> Mesh:
         f"{name} must be a Surface, (vertices, faces), a file, or a mesh of trimesh, pyvista, vtk, "
         f"meshio, open3d, pymeshlab or nibabel, not {type(thing).__name__}."
     )
+
+
+def is_prepared(thing: Any) -> bool:
+    """Whether it is what prepare() returns."""
+    from .preparation import PreparedSurface  # which needs what is here
+
+    return isinstance(thing, PreparedSurface)
+
+
+def _prepared(thing: Any, name: str) -> Optional[Mesh]:
+    if not is_prepared(thing):
+        return None
+    found = thing.surface
+    return Mesh(found.vertices, found.faces, found.name, found.space)
 
 
 def _path(thing: Any, name: str) -> Optional[Mesh]:
@@ -284,8 +298,8 @@ def surfaces_in(things: Any) -> List[Tuple[Any, str]]:
             (block, name if isinstance(name, str) else f"surface {i}")
             for i, (block, name) in enumerate(zip(blocks, names))
         ]
-    alone = isinstance(things, Surface) or hasattr(things, "IsA") or not hasattr(things, "__iter__")
-    if alone:
+    alone = isinstance(things, Surface) or is_prepared(things) or hasattr(things, "IsA")
+    if alone or not hasattr(things, "__iter__"):
         what = type(things).__name__
         raise InputError(
             f"surfaces must be a list of surfaces, not {what}: one of them is [surface]."

@@ -138,11 +138,13 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
 
 def _convert(options, make_progress) -> int:
     planned = conversion.plan(options.meshes, options.to, options.format, options.overwrite)
-    failed = conversion.convert(planned, (options.space or "").upper(), print)
-    for text in failed.values():
+    failed = conversion.convert(planned.jobs, (options.space or "").upper(), print)
+    failed.update({source: str(error) for source, error in planned.refused.items()})
+    for text in dict.fromkeys(failed.values()):
         print(f"error: {text}", file=sys.stderr)
     if failed:
-        print(f"{len(planned) - len(failed)} of {len(planned)} converted", file=sys.stderr)
+        count = len(planned.jobs) + len(planned.refused)
+        print(f"{count - len(failed)} of {count} converted", file=sys.stderr)
     return int(bool(failed))
 
 

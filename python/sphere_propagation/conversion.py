@@ -19,13 +19,29 @@ class Job(NamedTuple):
     target: Path
 
 
-def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -> List[Job]:
+class Plan(NamedTuple):
+    jobs: List[Job]
+    refused: Dict[Path, FileError]  # why these are left out
+
+
+def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -> Plan:
     """What is to be written, before any of it is: FileError where that would overwrite something.
-    Without a folder each goes beside its source."""
-    found = []
-    for source in files.mesh_files(*paths):
+    Without a folder each goes beside its source. Files that would become the same one are left
+    out, all of them: which is meant is not known."""
+    targets: Dict[Path, Path] = {}
+    for source in files.files_of_any_name(*paths):
         home = source.parent if folder is None else Path(folder)
-        target = home / f"{files.stem_of(source)}.{format}"
+        targets[source] = home / f"{files.stem_of(source)}.{format}"
+    places = {source: target.resolve() for source, target in targets.items()}
+    found, refused = [], {}
+    for source, target in targets.items():
+        same = [other for other in targets if places[other] == places[source]]
+        if len(same) > 1:
+            refused[source] = FileError(
+                f"{' and '.join(map(str, same))} would become one file, {target}: rename them, or "
+                "convert them one by one to other folders (--to)."
+            )
+            continue
         if target.exists() and target.samefile(source):
             raise FileError(f"{source} would be overwritten by itself: choose a folder (--to).")
         if target.exists() and not overwrite:
@@ -33,7 +49,7 @@ def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -
                 f"{target} exists: choose a folder (--to), or let it be replaced (--overwrite)."
             )
         found.append(Job(source, target))
-    return found
+    return Plan(found, refused)
 
 
 def convert(jobs: Sequence[Job], space: str, say: Callable[[str], None]) -> Dict[Path, str]:

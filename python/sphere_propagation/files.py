@@ -78,8 +78,16 @@ def _inputs(files: List[Path]) -> List[Path]:
     ]
 
 
-def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
-    """kinds: suffixes; a folder stands for the first kind that it has."""
+def files_of_any_name(*paths) -> List[Path]:
+    """As mesh_files, each file once, where names may be the same: they lie in several folders."""
+    with turn("Looking for files"):
+        found = _in_order(paths, SUFFIXES, distinct=False)
+    return list({path.resolve(): path for path in reversed(found)}.values())[::-1]
+
+
+def _in_order(paths, *kinds: Tuple[str, ...], distinct: bool = True) -> List[Path]:
+    """kinds: suffixes; a folder stands for the first kind that it has. distinct: whether names must
+    be."""
     found: List[Path] = []
     given = [path_of(path) for path in paths]
     given = _inputs(given) or given
@@ -93,7 +101,7 @@ def _in_order(paths, *kinds: Tuple[str, ...]) -> List[Path]:
         else:
             raise FileError(f"There is no file or folder {path}.")
     stems: Dict[str, Path] = {}
-    for path in found:
+    for path in found if distinct else ():
         if stem_of(path) in stems:
             raise FileError(
                 f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told "
@@ -113,20 +121,21 @@ def _in_folder(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
         [
             path
             for path in files
-            if path.name.lower().endswith(suffixes) and not readers.NO_SURFACES.search(path.name)
+            if (suffixes == SUFFIXES and _is_of_freesurfer(path))
+            or (path.name.lower().endswith(suffixes) and not readers.NO_SURFACES.search(path.name))
         ]
         for suffixes in kinds
     ]
-    if not any(inside):  # these have no suffix
-        inside[0] = [
-            path
-            for path in files
-            if readers.FREESURFER.match(path.name) and readers.is_freesurfer(path)
-        ]
     if not any(inside):
         volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
         raise FileError(
             f"The folder {folder} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
+        )
+    unnamed = [path.name for path in files if path not in inside[0] and readers.is_freesurfer(path)]
+    if unnamed:
+        warn(
+            f"The folder {folder} holds surfaces of FreeSurfer's that are not called lh.… or rh.…: "
+            f"they are not taken unless they are given by name ({', '.join(unnamed)})."
         )
     taken, *others = filter(None, inside)
     if others:
@@ -136,6 +145,11 @@ def _in_folder(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
             f"{names}{', …' if len(others[0]) > 3 else ''}."
         )
     return taken
+
+
+def _is_of_freesurfer(path: Path) -> bool:
+    """By its name, which has no suffix, and by what it holds: lh.curv is no surface."""
+    return bool(readers.FREESURFER.match(path.name)) and readers.is_freesurfer(path)
 
 
 def _natural(name: str):

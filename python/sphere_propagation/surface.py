@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, List, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import adapters
 from .errors import InputError
+
+NAMELESS = "surface"  # what one is called where nobody said
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +27,7 @@ class Surface:
 
     vertices: np.ndarray
     faces: np.ndarray
-    name: str = "surface"
+    name: str = NAMELESS
     space: str = ""
 
     def __post_init__(self):
@@ -103,9 +105,11 @@ def _about_faces(faces: np.ndarray) -> str:
 SurfaceLike = Union[Surface, Tuple[np.ndarray, np.ndarray], Any]
 
 
-def as_surface(surface: SurfaceLike, name: str = "surface") -> Surface:
+def as_surface(surface: SurfaceLike, name: str = NAMELESS) -> Surface:
     """A Surface, also from (vertices, faces), a file, or a mesh of another library; `name` is for
     those that have none."""
+    if adapters.is_prepared(surface):
+        surface = surface.surface
     if isinstance(surface, Surface):
         return surface
     mesh = adapters.mesh_of(surface, name)
@@ -113,8 +117,13 @@ def as_surface(surface: SurfaceLike, name: str = "surface") -> Surface:
 
 
 def as_surfaces(surfaces: Sequence[SurfaceLike]) -> List[Surface]:
-    """As as_surface; nameless ones are called after their place. A folder stands for its meshes."""
-    found = [as_surface(surface, name) for surface, name in adapters.surfaces_in(surfaces)]
+    """As as_surface; nameless ones are called after their place, also where all got the name that a
+    nameless one has alone. A folder stands for its meshes."""
+    given = adapters.surfaces_in(surfaces)
+    found = [as_surface(surface, name) for surface, name in given]
+    nameless = [i for i, surface in enumerate(found) if surface.name == NAMELESS]
+    for i in nameless if len(nameless) > 1 else ():
+        found[i] = replace(found[i], name=given[i][1])
     if not found:
         raise InputError("There is no surface to work on.")
     spaces = {surface.space: surface.name for surface in reversed(found) if surface.space}

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import sphere_propagation as sp
+from sphere_propagation.surface import as_surface, as_surfaces
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +50,25 @@ def test_what_is_left_is_a_warning(heart):
 def test_nothing_to_prepare():
     with pytest.raises(sp.FilterError, match="no faces"):
         sp.prepare((np.zeros((4, 3)), np.zeros((0, 3), int)))
+
+
+def test_what_was_prepared_is_a_surface(heart):
+    """Everywhere, and with its name."""
+    prepared = sp.prepare(opened(heart))
+    assert as_surface(prepared) is prepared.surface
+    assert sp.prepare(prepared).surface is prepared.surface
+    sphere_map = sp.parameterise_root(prepared)
+    assert sp.evaluate([prepared], [sphere_map])["valid"].all()
+    result = sp.correspond([prepared, heart], frequency=2)
+    assert [surface.name for surface in result.surfaces] == ["open", heart.name]
+    with pytest.raises(sp.InputError, match=r"one of them is \[surface\]"):
+        sp.correspond(prepared)
+
+
+def test_nameless_ones_are_numbered(heart):
+    arrays = heart.vertices, heart.faces
+    prepared = sp.prepare(arrays)
+    names = [surface.name for surface in as_surfaces([prepared, heart, prepared.surface])]
+    assert names == ["surface 0", heart.name, "surface 2"]
+    assert [s.name for s in as_surfaces({"a": prepared, "b": prepared})] == ["a", "b"]
+    assert as_surfaces([prepared, heart])[0] is prepared.surface

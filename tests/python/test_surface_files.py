@@ -417,6 +417,29 @@ def test_a_folder_of_freesurfers(body, tmp_path):
     assert [path.name for path in sp.mesh_files(tmp_path)] == ["lh.white", "rh.white"]
 
 
+def test_a_folder_of_freesurfers_and_others(body, tmp_path):
+    """Numbers on surfaces, and notes, are left out; surfaces are not."""
+    FILES["legacy ascii.vtk"](tmp_path / "a.vtk", *body)
+    gifti("GIFTI_ENCODING_ASCII")(tmp_path / "m.gii", *body)
+    stl(tmp_path / "sub.stl", *body)
+    for name in ("lh.white", "rh.white"):
+        freesurfer(tmp_path / name, *body)
+    nibabel.freesurfer.write_morph_data(str(tmp_path / "lh.curv"), body[0][:, 0])
+    (tmp_path / "lh.notes").write_text("mine")
+    found = [path.name for path in sp.mesh_files(tmp_path)]
+    assert found == ["a.vtk", "lh.white", "m.gii", "rh.white", "sub.stl"]
+    assert run("convert", tmp_path, "--to", tmp_path / "made", "--space", "ras") == 0
+    made = ["a.ply", "lh.white.ply", "m.ply", "rh.white.ply", "sub.ply"]
+    assert sorted(os.listdir(tmp_path / "made")) == made
+
+
+def test_freesurfers_of_other_names_are_warned_of(body, tmp_path):
+    stl(tmp_path / "sub.stl", *body)
+    freesurfer(tmp_path / "outer_skull_surface", *body)
+    with pytest.warns(sp.SpherePropagationWarning, match=r"by name \(outer_skull_surface\)"):
+        assert [path.name for path in sp.mesh_files(tmp_path)] == ["sub.stl"]
+
+
 def test_label_volumes_that_a_folder_holds_beside_meshes_are_warned_of(body, tmp_path):
     stl(tmp_path / "a.stl", *body)
     (tmp_path / "labels.nii.gz").touch()
@@ -514,6 +537,29 @@ def test_convert_does_what_it_can_and_names_what_it_cannot(body, tmp_path, capsy
     said = capsys.readouterr()
     assert "a.vtk cannot be read" in said.err and "c.gii cannot be read" in said.err
     assert "1 of 3 converted" in said.err and os.listdir(tmp_path / "made") == ["b.ply"]
+
+
+def test_convert_beside_files_of_one_name(body, tmp_path, capsys):
+    """Where each goes beside its own file nothing collides."""
+    for name in ("a/p.stl", "b/p.stl"):
+        (tmp_path / name).parent.mkdir()
+        stl(tmp_path / name, *body)
+    given = [tmp_path / "a", tmp_path / "b/p.stl", tmp_path / "a/p.stl"]  # one of them twice
+    assert run("convert", *given, "--space", "ras") == 0
+    assert capsys.readouterr().out.count("closed") == 2
+    assert (tmp_path / "a/p.ply").is_file() and (tmp_path / "b/p.ply").is_file()
+
+
+def test_convert_refuses_what_would_become_one_file(body, tmp_path, capsys):
+    for name in ("a/p.stl", "b/p.stl", "b/q.stl"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        stl(tmp_path / name, *body)
+    given = [tmp_path / "a", tmp_path / "b"]
+    assert run("convert", *given, "--to", tmp_path / "made", "--space", "ras") == 1
+    said = capsys.readouterr().err
+    together = f"{tmp_path / 'a/p.stl'} and {tmp_path / 'b/p.stl'} would become one file"
+    assert said.count(together) == 1 and "layer" not in said and "1 of 3 converted" in said
+    assert os.listdir(tmp_path / "made") == ["q.ply"]
 
 
 def test_order_and_parents_exclude_each_other(capsys):
