@@ -94,22 +94,40 @@ std::string withoutName(const Finding& finding) {
   return at == std::string::npos ? text : text.substr(at + 3);
 }
 
+/// What is said of a surface that is not ready; it advises no step that was done.
+const host::Message& messageOfLeft(const PreparedMesh& mesh,
+                                   const PreparationParameters& parameters) {
+  const bool allSteps = parameters.weld && parameters.removeDuplicateFaces &&
+                        parameters.removeFins && parameters.keepLargestComponent &&
+                        parameters.closeOpenings && parameters.orient;
+  switch (mesh.left->fault) {
+    case Fault::Empty:
+    case Fault::NoFaces:
+    case Fault::TooFewVertices:
+      return messages::tooLittleLeft;
+    case Fault::Handles:
+      return parameters.removeHandles ? messages::notMended : messages::handlesLeft;
+    default:
+      if (mesh.oneSided) return messages::oneSided;
+      return allSteps ? messages::notMended : messages::notClosedYet;
+  }
+}
+
 void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent& before,
-            const PreparedMesh& mesh, LidShape shape) {
+            const PreparedMesh& mesh, const PreparationParameters& parameters) {
   const std::string label = layer.label();
   if (mesh.changed)
     task.say(messages::prepared, label, mesh.vertices.rows(), mesh.faces.rows(),
              before.vertices.rows(), before.faces.rows(), stepsOf(mesh));
   else
     task.say(mesh.left ? messages::notPrepared : messages::nothingToPrepare, label);
-  tellOfOpenings(task, label, mesh, shape);
-  constexpr double large = 0.05;
+  tellOfOpenings(task, label, mesh, parameters.lid);
+  constexpr double large = 0.05, largeOfSheets = 0.01;
+  if (mesh.sheets.droppedShare > largeOfSheets)
+    task.sayOf(layer, messages::largeSheetsDropped, 100 * mesh.sheets.droppedShare);
   if (mesh.dropped.largestShare > large)
     task.sayOf(layer, messages::largePartDropped, 100 * mesh.dropped.largestShare);
-  if (mesh.left)
-    task.sayOf(layer,
-               mesh.left->fault == Fault::Handles ? messages::handlesLeft : messages::notClosedYet,
-               withoutName(*mesh.left));
+  if (mesh.left) task.sayOf(layer, messageOfLeft(mesh, parameters), withoutName(*mesh.left));
 }
 
 /// One number per layer, by the names that scripts read.
@@ -207,7 +225,7 @@ class PreparationFilter : public host::Filter {
       const PreparedMesh mesh =
           preparedMesh(before.vertices, before.faces, parameters, layers[i].label(),
                        part(task.progress, share(i), share(i + 1)));
-      tellOf(task, layers[i], before, mesh, parameters.lid);
+      tellOf(task, layers[i], before, mesh, parameters);
       figures.set(i, mesh, before, clock.seconds());
       if (mesh.changed) task.changes.remakeMesh(layers[i], before, remadeMesh(mesh));
     }

@@ -59,8 +59,8 @@ def prepare(
     lids, of which `lid` says whether the surface goes on over the rim ("Curved") or not ("Flat").
     orient: all faces outwards. remove_handles: by way of a volume, with a new mesh.
 
-    Warns (SpherePropagationWarning) where it is no closed surface yet, and where a large part was
-    dropped. Raises FilterError where there is nothing to prepare.
+    Warns (SpherePropagationWarning) where it is no closed surface yet, and where a large part or
+    large sheets were dropped. Raises FilterError where there is nothing to prepare.
     """
     given = as_surface(surface)
     meshes = layers.mesh_set([given])

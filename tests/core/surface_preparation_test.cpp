@@ -105,6 +105,23 @@ Mesh bowl(double z, int around, int rows) {
   return mesh;
 }
 
+/// A strip that comes back to itself with a half turn.
+Mesh moebiusStrip() {
+  constexpr int around = 60;
+  Mesh mesh{Points(2 * around, 3), Triangles(2 * around, 3)};
+  for (int i = 0; i < around; ++i) {
+    const double t = 2 * pi * i / around;
+    for (const int side : {0, 1}) {
+      const double w = side == 0 ? -0.3 : 0.3, r = 1 + w * std::cos(t / 2);
+      mesh.vertices.row(2 * i + side) << r * std::cos(t), r * std::sin(t), w * std::sin(t / 2);
+    }
+    const int j = (i + 1) % around, turn = j == 0 ? 1 : 0;
+    mesh.faces.row(2 * i) << 2 * i, 2 * j + turn, 2 * i + 1;
+    mesh.faces.row(2 * i + 1) << 2 * i + 1, 2 * j + turn, 2 * j + 1 - turn;
+  }
+  return mesh;
+}
+
 TEST(SurfacePreparation, LeavesAClosedSurfaceAlone) {
   for (const Mesh& mesh : {tetrahedron(), icosphereMesh(5), box(3), tetrapod(4)}) {
     const PreparedMesh result = prepared(mesh);
@@ -238,6 +255,11 @@ TEST(SurfacePreparation, RemovesAnInternalMembrane) {
   EXPECT_TRUE(isClosed(result));
   EXPECT_EQ(result.sheets.edges, 32);
   EXPECT_EQ(result.sheets.droppedFaces, 32);
+  double wall = 0;
+  for (Eigen::Index f = 0; f < 32 * (2 * 16 - 1); ++f)
+    wall += faceAreas(result.vertices, result.faces)[f];
+  const double disc = 16 * std::sin(pi / 16) * (1 - std::pow(mesh.vertices(32 * row, 2), 2));
+  EXPECT_NEAR(result.sheets.droppedShare, disc / (wall + disc), 1e-9);
 }
 
 TEST(SurfacePreparation, CutsBodiesThatShareAnEdgeApart) {
@@ -268,6 +290,20 @@ TEST(SurfacePreparation, OrientsFacesAlikeAndOutwards) {
   const PreparedMesh result = prepared(mesh);
   EXPECT_TRUE(isClosed(result));
   EXPECT_EQ(result.turnedFaces, (mesh.faces.rows() + 2) / 3);
+}
+
+TEST(SurfacePreparation, TellsWhatHasOneSideOnly) {
+  const PreparedMesh strip = prepared(moebiusStrip());
+  EXPECT_TRUE(strip.left);
+  EXPECT_TRUE(strip.oneSided);
+  // Beside something larger it is one of the parts that may go.
+  PreparationParameters parameters;
+  parameters.keepLargestComponent = false;
+  const Mesh two = both(stretched(icosphereMesh(4), 9, 9, 9), moebiusStrip());
+  EXPECT_FALSE(prepared(two, parameters).oneSided);
+  EXPECT_TRUE(prepared(two, parameters).left);
+  EXPECT_TRUE(isClosed(prepared(two)));
+  EXPECT_FALSE(prepared(openCone()).oneSided);
 }
 
 TEST(SurfacePreparation, ClosesACone) {

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Prepare surface: meshes as they come get maps afterwards; what is clean is left alone."""
 
+import json
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -35,6 +37,14 @@ STEPS = [
     "orient",
     "remove_handles",
 ]
+
+
+def said(returned):
+    """The warnings' texts, with the layers' names."""
+    if "warnings" not in returned:
+        return []
+    remarks = json.loads(bytes(map(int, returned["warnings"])).decode())
+    return [f"{remark['layer']}: {remark['text']}" for remark in remarks]
 
 
 def cup(below=20.0):
@@ -131,6 +141,58 @@ def test_steps_that_are_off_do_nothing():
     before = snapshot(ms)
     returned = ms.apply_filter(PREPARE, keep_largest_component=False)
     assert snapshot(ms) == before and returned["closed"] == 0
+
+
+def moebius_strip(around=60):
+    t = np.repeat(np.linspace(0, 2 * np.pi, around, endpoint=False), 2)
+    w = np.tile([-0.3, 0.3], around)
+    r = 1 + w * np.cos(t / 2)
+    a = np.arange(0, 2 * around, 2)
+    b, c = np.append(a[1:], 1), np.append(a[1:] + 1, 0)
+    return (
+        np.column_stack([r * np.cos(t), r * np.sin(t), w * np.sin(t / 2)]),
+        np.concatenate([np.column_stack([a, b, a + 1]), np.column_stack([a + 1, b, c])]),
+    )
+
+
+@pytest.mark.parametrize(
+    "mesh, options, words",
+    [
+        (moebius_strip(), {}, "one side only"),
+        (moebius_strip(), {"orient": False, "close_openings": False}, "one side only"),
+        ((np.eye(3), np.array([[0, 1, 2]])), {}, "too little of it"),
+        ((np.eye(3), np.array([[0, 1, 2]])), {"weld": False}, "too little of it"),
+    ],
+)
+def test_no_step_is_advised_that_would_not_help(mesh, options, words):
+    ms = pymeshlab.MeshSet()
+    add(ms, *mesh, "strip")
+    returned = ms.apply_filter(PREPARE, **options)
+    assert returned["closed"] == 0
+    (warning,) = said(returned)
+    assert words in warning and "left out" not in warning
+
+
+def test_sheets_of_a_share_of_the_area_are_a_warning():
+    v, f = egg()
+    below = (v[f][:, :, 2] < 5).all(axis=1)
+    sides = np.concatenate([f[below][:, [0, 1]], f[below][:, [1, 2]], f[below][:, [2, 0]]])
+    _, index, count = np.unique(
+        np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    rim = sides[count[index.ravel()] == 1]
+    septum = np.column_stack([rim[:, ::-1], np.full(len(rim), len(v))])
+    v = np.concatenate([v, [v[rim[:, 0]].mean(axis=0)]])
+    # Two chambers, each with the septum as its wall: one body now.
+    ms = pymeshlab.MeshSet()
+    add(ms, v, np.concatenate([f, septum, septum[:, ::-1]]), "two chambers")
+    returned = ms.apply_filter(PREPARE)
+    assert returned["closed"] == 1
+    (warning,) = said(returned)
+    assert "dropped as fins or membranes" in warning and "two chambers" in warning
+    ms = pymeshlab.MeshSet()
+    add(ms, *surfaces.fin_on_an_edge(), "fin")
+    assert not said(ms.apply_filter(PREPARE))
 
 
 def test_nothing_to_prepare_is_refused():

@@ -112,6 +112,13 @@ Vector3 areaVector(const Points& vertices, const Triangles& faces, int f) {
   return (b - a).cross(c - a);
 }
 
+double areaOf(const BrokenMesh& mesh) {
+  double area = 0;
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    area += areaVector(mesh.vertices, mesh.faces, f).norm() / 2;
+  return area;
+}
+
 EdgeTable::EdgeTable(const Triangles& faces) {
   const int count = 3 * static_cast<int>(faces.rows());
   const auto ends = [&](int h) {

@@ -42,6 +42,9 @@ struct BrokenMesh {
 /// Twice the area of a face as a vector along its normal.
 Vector3 areaVector(const Points& vertices, const Triangles& faces, int f);
 
+/// Of all faces.
+double areaOf(const BrokenMesh& mesh);
+
 /// The half-edges of a mesh by the edges on which they lie. Half-edge h = 3 f + k runs from
 /// faces(f, k) to faces(f, (k + 1) % 3).
 class EdgeTable {

@@ -33,6 +33,16 @@ double areaOf(const BrokenMesh& mesh, const std::vector<int>& part) {
   return area;
 }
 
+std::vector<double> areasOf(const BrokenMesh& mesh, const std::vector<std::vector<int>>& parts) {
+  std::vector<double> areas;
+  for (const std::vector<int>& part : parts) areas.push_back(areaOf(mesh, part));
+  return areas;
+}
+
+size_t largestOf(const std::vector<double>& areas) {
+  return static_cast<size_t>(std::max_element(areas.begin(), areas.end()) - areas.begin());
+}
+
 }  // namespace
 
 void turnFace(BrokenMesh& mesh, int f) {
@@ -44,10 +54,8 @@ DroppedSurfaces keepLargestSurface(BrokenMesh& mesh) {
   DroppedSurfaces dropped;
   const std::vector<std::vector<int>> parts = partsOf(mesh.faces);
   if (parts.size() < 2) return dropped;
-  std::vector<double> areas;
-  for (const std::vector<int>& part : parts) areas.push_back(areaOf(mesh, part));
-  const size_t largest =
-      static_cast<size_t>(std::max_element(areas.begin(), areas.end()) - areas.begin());
+  const std::vector<double> areas = areasOf(mesh, parts);
+  const size_t largest = largestOf(areas);
   dropped.parts = static_cast<long>(parts.size()) - 1;
   for (size_t i = 0; i < parts.size(); ++i)
     if (i != largest && areas[largest] > 0)
@@ -81,6 +89,21 @@ void orientAlike(BrokenMesh& mesh) {
   }
   for (int f = 0; f < mesh.faceCount(); ++f)
     if (against[f]) turnFace(mesh, f);
+}
+
+bool isOneSided(const BrokenMesh& mesh) {
+  const EdgeTable edges(mesh.faces);
+  std::vector<char> opposed(mesh.faceLid.size(), 0);
+  const auto origin = [&](int h) { return mesh.faces(h / 3, h % 3); };
+  for (int e = 0; e < edges.count(); ++e) {
+    if (edges.size(e) > 2) return false;
+    if (edges.size(e) == 2 && origin(edges.halfEdge(e, 0)) == origin(edges.halfEdge(e, 1)))
+      opposed[edges.halfEdge(e, 0) / 3] = 1;
+  }
+  const std::vector<std::vector<int>> parts = partsOf(mesh.faces);
+  if (parts.empty()) return false;
+  const std::vector<int>& part = parts[largestOf(areasOf(mesh, parts))];
+  return std::any_of(part.begin(), part.end(), [&](int f) { return opposed[f] != 0; });
 }
 
 void orientOutwards(BrokenMesh& mesh) {

@@ -21,6 +21,10 @@ DroppedSurfaces keepLargestSurface(BrokenMesh& mesh);
 /// faces of opposite orientation.
 void orientAlike(BrokenMesh& mesh);
 
+/// Whether the part of largest area has one side only. The mesh is oriented alike, see above; where
+/// edges have more than two faces this is not known, and false.
+bool isOneSided(const BrokenMesh& mesh);
+
 /// Turns parts that enclose a negative volume inside out.
 void orientOutwards(BrokenMesh& mesh);
 

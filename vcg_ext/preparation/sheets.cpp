@@ -296,11 +296,13 @@ long cut(BrokenMesh& mesh) {
 
 SeparatedSheets separateSheets(BrokenMesh& mesh) {
   SeparatedSheets result;
+  const double area = areaOf(mesh);
   {
     const EdgeTable edges(mesh.faces);
     for (int e = 0; e < edges.count(); ++e) result.edges += edges.size(e) > 2;
   }
   while (const int dropped = dropCheapestSheets(mesh)) result.droppedFaces += dropped;
+  if (result.droppedFaces > 0 && area > 0) result.droppedShare = 1 - areaOf(mesh) / area;
   constexpr int rounds = 50;
   for (int i = 0; i < rounds; ++i) {
     const long added = cut(mesh);

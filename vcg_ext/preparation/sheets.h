@@ -8,10 +8,11 @@ namespace sphere_propagation {
 
 /// What was done to the sheets of a mesh.
 struct SeparatedSheets {
-  long edges = 0;          ///< that had more than two faces
-  long vertices = 0;       ///< that had more than one fan of faces, and none of these edges
-  long droppedFaces = 0;   ///< of fins and internal membranes
-  long splitVertices = 0;  ///< vertices that were added, where sheets were cut apart
+  long edges = 0;           ///< that had more than two faces
+  long vertices = 0;        ///< that had more than one fan of faces, and none of these edges
+  long droppedFaces = 0;    ///< of fins and internal membranes
+  double droppedShare = 0;  ///< their area / area of all faces
+  long splitVertices = 0;   ///< vertices that were added, where sheets were cut apart
 };
 
 /// Afterwards each edge has one or two faces and the faces round each vertex form one fan, whatever

@@ -87,6 +87,7 @@ PreparedMesh preparedMesh(const Points& vertices, const Triangles& faces,
     result.openings = closeOpenings(mesh, parameters.lid, part(progress, 0.4, 0.9));
   if (parameters.removeDuplicateFaces) result.flatFaces += mendFlatFaces(mesh);
   orientOutwards(mesh);
+  result.oneSided = isOneSided(mesh);
   if (!parameters.orient)
     for (int f = 0; f < mesh.faceCount(); ++f)
       if (mesh.turned[f]) turnFace(mesh, f);

@@ -47,6 +47,7 @@ struct PreparedMesh {
   std::vector<Opening> openings;
   int handles = 0;              ///< removed
   double voxelSize = 0;         ///< of the volume in which they were
+  bool oneSided = false;        ///< as a Moebius strip: no step closes or orients it
   std::optional<Finding> left;  ///< why it is no ClosedSurface yet; nothing where it is one
 };
 
