@@ -20,6 +20,7 @@ KEY = "warnings"  # of what a filter returns (host/warnings.h)
 _collecting: ContextVar[Tuple[List[SpherePropagationWarning], ...]] = ContextVar(
     "collecting", default=()
 )
+_noted: ContextVar[Tuple[str, ...]] = ContextVar("noted", default=())
 _silent: ContextVar[bool] = ContextVar("silent", default=False)
 
 
@@ -42,9 +43,17 @@ def warnings_of(returned: Mapping[str, Any], notes: bool = False) -> List[Sphere
 
 
 def pass_on(returned: Dict[str, Any]) -> None:
-    """Takes the warnings out of what a filter returned, and issues them."""
-    for warning in warnings_of(returned):
-        warn(warning)
+    """Takes the warnings out of what a filter returned, and issues them; and notes that noting()
+    asks for, each text once."""
+    for warning in warnings_of(returned, notes=True):
+        if (
+            warning.kind != "Note"
+            or warning.message in _noted.get()
+            and not any(
+                str(warning) == str(other) for found in _collecting.get() for other in found
+            )
+        ):
+            warn(warning)
     returned.pop(KEY, None)
 
 
@@ -71,6 +80,16 @@ def collected() -> Iterator[List[SpherePropagationWarning]]:
         yield found
     finally:
         _collecting.reset(token)
+
+
+@contextmanager
+def noting(*messages: str) -> Iterator[None]:
+    """Within, notes of these names are issued as warnings are; their kind is "Note"."""
+    token = _noted.set(messages)
+    try:
+        yield
+    finally:
+        _noted.reset(token)
 
 
 @contextmanager

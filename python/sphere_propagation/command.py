@@ -27,6 +27,7 @@ from . import (
     version,
 )
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
+from .flags import by_flags
 from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters
 
 METHODS = {"robust": "Robust", "published": "As published"}
@@ -46,7 +47,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return shown[-1]
 
     def show_warning(message, category, filename, lineno, file=None, line=None) -> None:
-        (shown[-1] if shown else progress.Lines()).warning(str(message))
+        lines = shown[-1] if shown else progress.Lines()
+        kind = "Note" if getattr(message, "kind", "") == "Note" else "warning"
+        lines.warning(by_flags(str(message)), kind)
 
     try:
         with warnings.catch_warnings():
@@ -57,9 +60,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     except BrokenPipeError:
         raise
     except InputError as error:  # files are read by then: an argument cannot be what is meant
-        code, text = 2, f"error: {error}"
+        code, text = 2, f"error: {by_flags(str(error))}"
     except (SpherePropagationError, OSError, MemoryError) as error:
-        code, text = 1, f"error: {_words(error)}"
+        code, text = 1, f"error: {by_flags(_words(error))}"
     except KeyboardInterrupt:
         code, text = 130, "interrupted"
     finally:
@@ -88,6 +91,8 @@ def _words(error: BaseException) -> str:
 
 
 def _run(options, make_progress) -> int:
+    if options.remove_handles and not options.prepare:
+        raise InputError("--remove-handles is a step of --prepare: give both.")
     choices = _choices(options, DEFAULTS)
     return _report(
         options.output,
@@ -184,7 +189,8 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         area_restoration=options.area_restoration,
         mirror_layers=options.mirror_layers,
     )
-    return jobs.Choices(parameters, options.pictures, _volume_choices(options))
+    preparation = {"remove_handles": options.remove_handles} if options.prepare else None
+    return jobs.Choices(parameters, options.pictures, _volume_choices(options), preparation)
 
 
 def _volume_choices(options) -> Dict[str, Any]:
@@ -196,6 +202,10 @@ def _volume_choices(options) -> Dict[str, Any]:
         "smoothing": options.smoothing,
         "coordinates": coordinates,
         "skip_incomplete_phases": options.skip_incomplete_phases or None,
+        "align_slices": options.align_slices or None,
+        "handle_repair": options.handle_repair and options.handle_repair.capitalize(),
+        "longest_gap": options.longest_gap,
+        "file_series": options.file_series or None,
     }
     return {name: value for name, value in given.items() if value is not None}
 
@@ -246,6 +256,23 @@ def parser() -> argparse.ArgumentParser:
         metavar="MM",
         help="of a label volume's surfaces (default: the smallest spacing of the volume)",
     )
+    run.add_argument(
+        "--file-series",
+        action="store_true",
+        help="of one label volume: also read the files beside it whose names differ in one number "
+        "only, one phase each",
+    )
+    run.add_argument(
+        "--prepare",
+        action="store_true",
+        help="make closed surfaces of meshes that are none: weld, close openings, keep the largest "
+        "part, turn faces outwards; what was done is said",
+    )
+    run.add_argument(
+        "--remove-handles",
+        action="store_true",
+        help="with --prepare: also remove handles, by a new mesh",
+    )
     run.set_defaults(action=_run)
 
     demo = actions.add_parser(
@@ -290,7 +317,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="of the phantom: another one makes another ventricle (default: %(default)s)",
     )
-    demo.set_defaults(action=_demo)
+    demo.set_defaults(action=_demo, file_series=False, prepare=False, remove_handles=False)
 
     convert = actions.add_parser(
         "convert",
@@ -422,5 +449,25 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "--skip-incomplete-phases",
         action="store_true",
         help="of a label volume: leave out phases that lack a label, instead of an error",
+    )
+    add(
+        "--align-slices",
+        action="store_true",
+        help="of a label volume: move slices in their plane that are not in line with the others, "
+        "as after another breath",
+    )
+    add(
+        "--handle-repair",
+        type=str.lower,
+        choices=[name.lower() for name in filters.HANDLE_REPAIRS],
+        help="of a label volume: how handles are removed (default: "
+        f"{VOLUME_DEFAULTS['handle_repair'].lower()})",
+    )
+    add(
+        "--longest-gap",
+        type=_number(int, 0),
+        metavar="N",
+        help="of a label volume: how many empty slices in a row are interpolated (default: "
+        f"{VOLUME_DEFAULTS['longest_gap']})",
     )
     add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

@@ -11,6 +11,7 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Set
 import numpy as np
 
 from . import attention, files, filters, gallery, pictures, plugin, projects, report
+from .attention import warn
 from .correspondence import Correspondence, checked, correspond_by
 from .errors import FilterError, InputError, SpherePropagationWarning
 from .gallery import Section
@@ -18,6 +19,7 @@ from .model import ShapeModel
 from .nifti import write_nifti
 from .parameters import DEFAULTS, METHODS, CorrespondenceParameters
 from .phantom import SCAN_SPACING, Ventricle
+from .preparation import prepare
 from .progress import Lines
 from .results import ResultFolder
 from .surface import Surface
@@ -32,6 +34,20 @@ MESH_STEPS = ("meshes", "root map", *METHOD_STEPS, *RESULT_STEPS)
 SCAN_STEPS = ("labels", "surfaces", "root map", *METHOD_STEPS, *RESULT_STEPS)
 PART_STEPS = ("phantom", "root map", *METHOD_STEPS * len(METHODS), "truth", *RESULT_STEPS)
 
+# Notes of the import that matter where label volumes are read one by one.
+FILE_BY_FILE = ("handlesElsewhere",)
+# What prepare() counts, by its names.
+PREPARATIONS = (
+    "weld",
+    "remove_duplicate_faces",
+    "remove_fins",
+    "keep_largest_component",
+    "close_openings",
+    "lid",
+    "orient",
+    "remove_handles",
+)
+
 
 @dataclass(frozen=True)
 class Choices:
@@ -41,6 +57,8 @@ class Choices:
     pictures: bool = True
     # Of read_label_volume, what is given.
     volume: Mapping[str, Any] = field(default_factory=dict)
+    # Of prepare, what is given; None: meshes are taken as they come.
+    preparation: Optional[Mapping[str, Any]] = None
 
 
 def run_meshes(
@@ -63,6 +81,10 @@ def run_meshes(
             f"There is no label volume among the files, to which {', '.join(choices.volume)} "
             "could apply."
         )
+    if len(paths) > 1 and choices.volume.get("file_series"):
+        raise InputError("file_series reads the files beside one: give one file, not several.")
+    if choices.preparation is not None and all(map(files.is_label_volume, paths)):
+        raise InputError("There is no mesh among the files, which could be prepared.")
     home = Path(folder).resolve()
     for path in paths:
         if home in path.resolve().parents:
@@ -71,7 +93,8 @@ def run_meshes(
         checked(choices.parameters, len(paths))
     name = name or _name_of(meshes, paths)
     steps = progress(len(MESH_STEPS) + _picture_count(choices, [{gallery.MODEL}]))
-    with attention.collected() as said:
+    alone = sum(map(files.is_label_volume, paths)) < 2
+    with attention.collected() as said, attention.noting(*(() if alone else FILE_BY_FILE)):
         return _run_files(paths, folder, name, choices, steps, said)
 
 
@@ -93,7 +116,7 @@ def _run_files(
             # Some may have been skipped.
             phases = volume.figures["phase"] if len(paths) == 1 else None
         else:
-            surfaces.append(files.read_mesh(path))
+            surfaces.append(_prepared(files.read_mesh(path), choices.preparation))
     files.warn_of_frames(surfaces)
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
         raise InputError(
@@ -124,6 +147,24 @@ def _run_files(
     )
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
     return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps)
+
+
+def _prepared(surface: Surface, how: Optional[Mapping[str, Any]]) -> Surface:
+    """As it is to go on; what was done to it is a warning."""
+    if how is None:
+        return surface
+    made, figures = prepare(surface, **how)
+    done = [f"{name} {figures[name]:g}" for name in PREPARATIONS if figures.get(name)]
+    if made is not surface:
+        warn(
+            SpherePropagationWarning(
+                f"{surface.name}: it was prepared: {', '.join(done)}; "
+                f"{figures['vertices']:g} vertices, {figures['vertices_before']:g} before.",
+                surface.name,
+                "prepared",
+            )
+        )
+    return made
 
 
 def run_phantom(

@@ -48,9 +48,9 @@ class Lines(Silent):
     def note(self, text: str) -> None:
         self._print(f"          {text}")
 
-    def warning(self, text: str) -> None:
+    def warning(self, text: str, kind: str = "warning") -> None:
         """Something that deserves a look, whose line goes to stderr."""
-        print(f"warning: {text}", file=sys.stderr, flush=True)
+        print(f"{kind}: {text}", file=sys.stderr, flush=True)
 
     def seconds(self) -> float:
         return time.monotonic() - self.start
@@ -93,11 +93,11 @@ class Bar(Lines):
             self.stream.write(f"\r\033[K{line}\n")
             self.stream.flush()
 
-    def warning(self, text: str) -> None:
+    def warning(self, text: str, kind: str = "warning") -> None:
         with self.lock:  # the line takes the bar's place, which is drawn again below it
             self.stream.write("\r\033[K")
             self.stream.flush()
-            super().warning(text)
+            super().warning(text, kind)
 
     def _tick(self) -> None:
         while not self.closed.wait(0.5):

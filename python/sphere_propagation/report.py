@@ -10,6 +10,7 @@ import numpy as np
 
 from .correspondence import Correspondence
 from .errors import SpherePropagationWarning
+from .flags import by_flags
 from .model import ShapeModel
 
 COLUMNS = (
@@ -86,7 +87,7 @@ def warning_rows(runs: Sequence[Run]) -> List[List[str]]:
             run.result.method,
             warning.layer,
             warning.message,
-            str(warning)[len(warning.layer) + 2 if warning.layer else 0 :],
+            by_flags(str(warning)[len(warning.layer) + 2 if warning.layer else 0 :]),
         ]
         for run in runs
         for warning in run.warnings

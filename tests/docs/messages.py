@@ -28,7 +28,7 @@ DESCRIPTIONS = (
     "::describe() const {",
     "patterns[]{",  # what the dialog calls them
 )
-IN_PYTHON = re.compile(r".*(Error|warn|note|exit)$")
+IN_PYTHON = re.compile(r".*(Error|warn|Warning|note|exit)$")
 
 
 def catalogue():

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import command, model_pictures, pictures, plugin, progress
+from sphere_propagation import command, flags, model_pictures, pictures, plugin, progress
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
 
@@ -495,3 +495,57 @@ def test_a_bar_on_a_terminal_lines_elsewhere():
     )
     assert said.count("2/2  second") >= 2
     assert re.search(r"\r\x1b\[K\[ +0\.\d s\] first is over\n", said) and said.endswith("\r\x1b[K")
+
+
+def warned(folder):
+    with open(folder / "warnings.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_mirrored_mesh_gets_advice_in_the_commands_words(cycle, tmp_path, capsys):
+    # Bent to one side, or it would be its own mirror image.
+    bent = [
+        sp.Surface(s.vertices + np.c_[0 * (x := s.vertices[:, 2]), x**2 / 60, 0 * x], s.faces, name)
+        for s, name in zip(cycle.surfaces, "abc")
+    ]
+    bent = [
+        sp.Surface(
+            s.vertices + np.c_[s.vertices[:, 1] ** 2 / 90, 0 * s.vertices[:, :2]], s.faces, n
+        )
+        for s, n in zip(bent, "abc")
+    ]
+    bent[1] = sp.Surface(bent[1].vertices * [-1, 1, 1], bent[1].faces[:, ::-1], "b")
+    folder, out = write(tmp_path / "bones", bent), tmp_path / "out"
+    arguments = ["run", folder, "-o", out, "--root", 0, "--frequency", 2, "--no-pictures"]
+    assert run(*arguments) == 0
+    said = capsys.readouterr().err
+    assert "with --mirror-layers, which reflects it" in said and "mirror_layers" not in said
+    texts = [row["text"] for row in warned(out) if row["message"] == "mirrorImage"]
+    assert len(texts) == 1 and "with --mirror-layers," in texts[0]
+
+
+def test_an_open_mesh_is_prepared_on_request(heart, tmp_path, capsys):
+    """The advice names the option, which does what it says."""
+    whole = sp.read_mesh(next(heart.glob("*.ply")))
+    height = whole.vertices[whole.faces][:, :, 2].max(1)
+    sp.write_ply(heart / "open.ply", whole.vertices, whole.faces[height < np.quantile(height, 0.8)])
+    out = tmp_path / "out"
+    arguments = ["run", heart, "-o", out, "--frequency", 2, "--no-pictures"]
+    assert run(*arguments) == 1
+    said = capsys.readouterr().err
+    assert "run --prepare closes it" in said and "sp." not in said
+    assert run(*arguments, "--prepare") == 0
+    assert re.search(r"warning: open: it was prepared: .*close_openings 1", capsys.readouterr().err)
+    assert [row["layer"] for row in warned(out) if row["message"] == "prepared"] == ["open"]
+    assert run(*arguments, "--remove-handles") == 2
+
+
+def test_flags_are_options_and_paths_are_left_alone():
+    options = {
+        action.dest
+        for action in command.parser()._subparsers._group_actions[0].choices["run"]._actions
+    }
+    assert set(flags.PARAMETERS) <= options
+    for text in ("a/mirror_layers/x.ply", "mirror_layers.ply", "my_voxel_size", "C:\\voxel_size"):
+        assert flags.by_flags(text) == text
+    assert flags.by_flags('with align_slices ("Align slices").') == "with --align-slices."

@@ -160,6 +160,26 @@ def test_handles_of_a_sequence_are_removed_at_one_place(tmp_path, repair, apart)
     assert np.linalg.norm(landmarks[0] - landmarks[1], axis=1).mean() < apart  # mm
 
 
+def test_the_command_passes_on_what_its_advice_names(tmp_path, capsys):
+    """File by file handles are cut at other places: a note says so, once, and what to do."""
+    for i, thin in enumerate((1, -1)):
+        path = tmp_path / f"spine_{i}.nii"
+        path.write_bytes(volume_files.nifti(vertebra(thin), np.eye(4)))
+    out = tmp_path / "out"
+    words = ["run", "-o", str(out), "--frequency", "2", "--no-pictures"]
+    assert command.main([*words, str(tmp_path / "spine_0.nii"), str(tmp_path / "spine_1.nii")]) == 0
+    said = capsys.readouterr().err
+    assert said.count("Note: surfaces correspond there only where the same was done") == 1
+    assert "(4D, or --file-series)" in said and "choose --handle-repair:" in said
+    assert "handlesElsewhere" in (out / "warnings.csv").read_text()
+    series = [*words, str(tmp_path / "spine_0.nii"), "--file-series", "--align-slices"]
+    assert command.main([*series, "--handle-repair", "Fill", "--longest-gap", "3"]) == 0
+    said = capsys.readouterr().err
+    assert said.count("handle filled") == 2 and "handle cut" not in said and "Note" not in said
+    assert command.main([*words, str(tmp_path), "--file-series"]) == 2
+    assert "error: --file-series reads" in capsys.readouterr().err
+
+
 def test_handles_of_single_volumes_are_named_with_their_places(tmp_path):
     places = []
     for thin in (1, -1):
