@@ -262,6 +262,40 @@ TEST(SurfacePreparation, RemovesAnInternalMembrane) {
   EXPECT_NEAR(result.sheets.droppedShare, disc / (wall + disc), 1e-9);
 }
 
+TEST(SurfacePreparation, WeldsAllThreeRimsAtAMembrane) {
+  // A lower part and a membrane whose rims are the same, and an upper part that is off, somewhere.
+  const int around = 32, rows = 8;
+  const double z = -0.2;
+  const Mesh lower = bowl(z, around, rows);
+  Mesh upper = stretched(bowl(-z, around, 2 * rows), 1, 1, -1);
+  Mesh membrane{Points(around + 1, 3), Triangles(around, 3)};
+  membrane.vertices << lower.vertices.topRows(around), Eigen::RowVector3d(0, 0, z);
+  for (int i = 0; i < around; ++i) membrane.faces.row(i) << i, (i + 1) % around, around;
+  upper.vertices.topRows(around) = lower.vertices.topRows(around);
+  for (const double off : {0.0, 1e-15, 1e-12, 1e-7})
+    for (const bool everywhere : {false, true})
+      for (const bool separately : {false, true}) {
+        Mesh part = upper;
+        for (int v = 0; v < around; ++v)
+          if (everywhere || part.vertices(v, 0) > 0) part.vertices(v, 1) += off;
+        const Mesh all = both(both(lower, part), membrane);
+        const PreparedMesh result = prepared(separately ? soup(all) : all);
+        EXPECT_TRUE(isClosed(result)) << off << everywhere << separately;
+        EXPECT_EQ(result.faces.rows(), lower.faces.rows() + upper.faces.rows())
+            << off << everywhere << separately;
+        EXPECT_EQ(result.sheets.droppedFaces, around);
+        EXPECT_EQ(result.dropped.parts, 0);
+      }
+  // The two sides of a thin wall, one of which has a hole, are no such rims.
+  int seen = 0;
+  const Mesh thin = without(stretched(box(4), 1, 1, 1e-9), [&seen](const Vector3& c) {
+    return c.z() > 0.9e-9 && c.x() > 0.3 && ++seen == 1;
+  });
+  const PreparedMesh result = prepared(soup(thin));
+  EXPECT_TRUE(isClosed(result));
+  EXPECT_EQ(result.weldedVertices, 3 * thin.faces.rows() - thin.vertices.rows());
+}
+
 TEST(SurfacePreparation, CutsBodiesThatShareAnEdgeApart) {
   const Mesh box1 = box(2);
   const Mesh box2 = moved(stretched(box(2), 0.5, 0.5, 1), 1, 1, 0);

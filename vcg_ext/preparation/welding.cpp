@@ -48,9 +48,33 @@ int weldExactly(BrokenMesh& mesh) {
   return mergeSets(mesh, sets);
 }
 
-int weldNearly(BrokenMesh& mesh, double tolerance) {
-  const std::vector<int> open = openVertices(mesh);
-  if (open.empty()) return 0;
+/// The sheets (faces connected through edges with two faces) round each vertex, ascending.
+std::vector<std::vector<int>> sheetsRound(const BrokenMesh& mesh) {
+  const EdgeTable edges(mesh.faces);
+  DisjointSets sheets(mesh.faceCount());
+  for (int e = 0; e < edges.count(); ++e)
+    if (edges.size(e) == 2) sheets.unite(edges.halfEdge(e, 0) / 3, edges.halfEdge(e, 1) / 3);
+  std::vector<std::vector<int>> around(mesh.source.size());
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    for (int k = 0; k < 3; ++k) around[mesh.faces(f, k)].push_back(sheets.find(f));
+  for (std::vector<int>& of : around) {
+    std::sort(of.begin(), of.end());
+    of.erase(std::unique(of.begin(), of.end()), of.end());
+  }
+  return around;
+}
+
+bool haveCommon(const std::vector<int>& a, const std::vector<int>& b) {
+  return std::any_of(a.begin(), a.end(),
+                     [&b](int i) { return std::binary_search(b.begin(), b.end(), i); });
+}
+
+/// wasOpen: by source, what lay on an open edge before anything was welded.
+int weldNearly(BrokenMesh& mesh, double tolerance, const std::vector<char>& wasOpen) {
+  std::vector<char> open(mesh.source.size(), 0);
+  for (const int v : openVertices(mesh)) open[v] = 1;
+  if (std::find(open.begin(), open.end(), 1) == open.end()) return 0;
+  const std::vector<std::vector<int>> sheets = sheetsRound(mesh);
   const double diagonal =
       (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
   constexpr double unitOfFloat = 1.2e-7;
@@ -71,7 +95,8 @@ int weldNearly(BrokenMesh& mesh, double tolerance) {
     int vertex;
   };
   std::vector<Stop> stops;
-  for (const int v : open) stops.push_back({sweep.dot(mesh.vertex(v)), v});
+  for (int v = 0; v < mesh.vertexCount(); ++v)
+    if (open[v] || wasOpen[mesh.source[v]]) stops.push_back({sweep.dot(mesh.vertex(v)), v});
   std::sort(stops.begin(), stops.end(), [](const Stop& a, const Stop& b) {
     return std::tie(a.along, a.vertex) < std::tie(b.along, b.vertex);
   });
@@ -79,6 +104,9 @@ int weldNearly(BrokenMesh& mesh, double tolerance) {
   for (size_t i = 0; i < stops.size(); ++i)
     for (size_t j = i + 1; j < stops.size() && stops[j].along - stops[i].along <= reach; ++j) {
       const int a = stops[i].vertex, b = stops[j].vertex;
+      if (!open[a] && !open[b]) continue;
+      // Two rims that met exactly leave the third one open; but a hole is not the other side's.
+      if (open[a] != open[b] && haveCommon(sheets[a], sheets[b])) continue;
       const double distance = (mesh.vertex(a) - mesh.vertex(b)).norm();
       if (distance <= reach && distance <= 0.1 * std::min(shortest[a], shortest[b]))
         sets.unite(a, b);
@@ -89,9 +117,18 @@ int weldNearly(BrokenMesh& mesh, double tolerance) {
 }  // namespace
 
 int weldOpenEdges(BrokenMesh& mesh, double tolerance) {
+  std::vector<char> wasOpen;
+  for (const int v : openVertices(mesh)) {
+    const auto source = static_cast<size_t>(mesh.source[v]);
+    if (source >= wasOpen.size()) wasOpen.resize(source + 1, 0);
+    wasOpen[source] = 1;
+  }
+  for (const int source : mesh.source)
+    if (static_cast<size_t>(source) >= wasOpen.size())
+      wasOpen.resize(static_cast<size_t>(source) + 1, 0);
   int merged = weldExactly(mesh);
   dropFoldedFaces(mesh);
-  merged += weldNearly(mesh, tolerance);
+  merged += weldNearly(mesh, tolerance, wasOpen);
   dropFoldedFaces(mesh);
   return merged;
 }
