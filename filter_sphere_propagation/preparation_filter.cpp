@@ -9,6 +9,7 @@
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/preparation/surface_preparation.h"
 
 namespace sphere_propagation {
@@ -32,6 +33,14 @@ PreparationParameters preparationOf(const host::ParameterValues& values) {
 
 long lidVerticesOf(const PreparedMesh& mesh) {
   return std::count_if(mesh.lid.begin(), mesh.lid.end(), [](int number) { return number > 0; });
+}
+
+double lidShareOf(const PreparedMesh& mesh) {
+  const Eigen::VectorXd areas = faceAreas(mesh.vertices, mesh.faces);
+  double lids = 0;
+  for (Eigen::Index f = 0; f < areas.size(); ++f)
+    if (mesh.faceLid[static_cast<size_t>(f)] > 0) lids += areas[f];
+  return lids > 0 ? lids / areas.sum() : 0;
 }
 
 /// "3 vertices welded; 1 opening closed".
@@ -122,7 +131,9 @@ void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent&
   else
     task.say(mesh.left ? messages::notPrepared : messages::nothingToPrepare, label);
   tellOfOpenings(task, label, mesh, parameters.lid);
-  constexpr double large = 0.05, largeOfSheets = 0.01;
+  constexpr double large = 0.05, largeOfSheets = 0.01, largeOfLids = 0.25;
+  if (const double share = lidShareOf(mesh); share > largeOfLids)
+    task.sayOf(layer, messages::mostlyLids, 100 * share);
   if (mesh.sheets.droppedShare > largeOfSheets)
     task.sayOf(layer, messages::largeSheetsDropped, 100 * mesh.sheets.droppedShare);
   if (mesh.dropped.largestShare > large)

@@ -195,6 +195,16 @@ def test_sheets_of_a_share_of_the_area_are_a_warning():
     assert not said(ms.apply_filter(PREPARE))
 
 
+@pytest.mark.parametrize("lid", ["Curved", "Flat"])
+def test_a_surface_that_is_mostly_lid_is_a_warning(lid):
+    for below, warns in ((20, False), (-15, True)):
+        ms = pymeshlab.MeshSet()
+        add(ms, *cup(below), "cup")
+        returned = ms.apply_filter(PREPARE, lid=lid)
+        assert returned["closed"] == 1
+        assert ["of its area are lids" in text for text in said(returned)] == [True] * warns
+
+
 def test_nothing_to_prepare_is_refused():
     ms = pymeshlab.MeshSet()
     add(ms, *surfaces.points_only(), "points")
