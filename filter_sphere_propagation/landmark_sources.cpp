@@ -52,8 +52,8 @@ std::vector<std::optional<size_t>> landmarkSources(const std::vector<host::Layer
   std::vector<std::pair<size_t, Points>> nameless;
   for (size_t i = 0; i < landmarks.size(); ++i)
     if (!sources[i])
-      if (const auto mesh = surfaceIfSound(landmarks[i]))
-        nameless.emplace_back(i, mesh->surface.vertices());
+      if (Points points = landmarks[i].content().vertices; points.allFinite())
+        nameless.emplace_back(i, std::move(points));
   if (nameless.empty()) return sources;
   std::map<size_t, size_t> again;  // layers on a surface that another one came from
   for (size_t k = 0; k < surfaces.size(); ++k) {

@@ -13,7 +13,9 @@
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "vcg_ext/base/error.h"
 #include "vcg_ext/display/colors.h"
+#include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
 #include "vcg_ext/model/outliers.h"
@@ -49,7 +51,19 @@ std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
   return sorted;
 }
 
-/// The visible landmark layers as shapes that correspond.
+/// Points that figures can be computed of.
+void requireUsable(const TrainingSet::Shape& shape) {
+  const Eigen::RowVector3d extent =
+      shape.landmarks.colwise().maxCoeff() - shape.landmarks.colwise().minCoeff();
+  if (!(extent.maxCoeff() > 1e-12 * shape.landmarks.cwiseAbs().maxCoeff()))
+    throw ParameterError(
+        Finding(Fault::LandmarksInOnePlace, shape.name).of(shape.landmarks.rows()));
+  requireUsableExtent(shape.landmarks, shape.name);
+}
+
+/// The visible landmark layers as shapes that correspond. They are taken as points: their faces are
+/// the icosphere's, and which way these look tells a mirror image, which is named later, but no
+/// fault of a layer.
 TrainingSet trainingSet(const host::Task& task) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
@@ -58,16 +72,17 @@ TrainingSet trainingSet(const host::Task& task) {
   std::vector<TrainingSet::Shape> shapes;
   Triangles faces;
   for (const host::Layer& layer : layers) {
-    const MeshSurface mesh = layer.surface();
-    shapes.push_back({layer.label(), mesh.surface.vertices()});
-    if (shapes.size() == 1) faces = mesh.surface.faces();
+    MeshContent content = layer.content();
+    shapes.push_back({layer.label(), std::move(content.vertices)});
+    if (shapes.size() == 1) faces = content.faces;
     // Layers of different sizes are the training set's business. Of one size they have one list,
     // unless one is mirrored.
-    if (mesh.surface.vertices().rows() == shapes.front().landmarks.rows() &&
-        mesh.surface.faces() != faces)
+    if (shapes.back().landmarks.rows() == shapes.front().landmarks.rows() && content.faces != faces)
       throw host::Refusal(messages::differentFaces, shapes.front().name, layer.label());
   }
-  return {std::move(shapes), std::move(faces)};
+  TrainingSet set(std::move(shapes), std::move(faces));
+  for (const TrainingSet::Shape& shape : set.shapes()) requireUsable(shape);
+  return set;
 }
 
 void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {

@@ -114,7 +114,7 @@ std::string_view remedyWithEntries(Fault fault) {
     case Fault::NonFiniteLandmark:
       return "Remesh its surface again, or hide the layer.";
     case Fault::LandmarksInOnePlace:
-      return "Hide the layer, or align rigidly.";
+      return "Hide the layer, or remesh its surface again.";
     case Fault::FileIsFolder:
       return "Name a file.";
     case Fault::NoFolder:

@@ -111,11 +111,12 @@ FOR_ARRAYS = {
     ),
     "NonFiniteLandmark": (
         "Remesh its surface again",
-        "Leave the shape out: points[np.isfinite(points).all(axis=(1, 2))].",
+        "Leave the shape out, points[np.isfinite(points).all(axis=(1, 2))], or make its landmarks "
+        "again.",
     ),
     "LandmarksInOnePlace": (
-        "Hide the layer, or align",
-        'Leave the shape out, or take alignment="Rigid".',
+        "Hide the layer, or remesh",
+        "Leave the shape out, or make its landmarks again.",
     ),
 }
 

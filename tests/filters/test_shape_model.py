@@ -657,8 +657,36 @@ def test_nan():
     v, f = layers(ms)[0].vertex_matrix(), layers(ms)[0].face_matrix()
     v[[17, 40]] = NAN
     add(ms, v, f, "broken")
-    with refused(ms, '"broken"', "2 vertices have coordinates that are not finite", "vertex 17"):
+    with refused(
+        ms, '"broken"', "2 landmarks have coordinates that are not finite", "landmark 17", "hide"
+    ):
         ms.apply_filter(MODEL)
+
+
+@pytest.mark.parametrize("alignment", ["None", "Rigid", "Similarity"])
+def test_landmarks_in_one_place(alignment):
+    ms = small_model_project()
+    v, f = layers(ms)[0].vertex_matrix(), layers(ms)[0].face_matrix()
+    add(ms, v * 0 + v[5], f, "point")
+    with refused(ms, '"point"', "all its 162 landmarks lie in one place", "Hide the layer"):
+        ms.apply_filter(MODEL, alignment=alignment)
+
+
+@pytest.mark.parametrize("name", ["mirrored landmarks", "mirrored"])
+def test_a_mirror_image_takes_part(name):
+    """The landmarks as points: which way the icosphere's faces look is no fault of theirs."""
+    ms = small_model_project(phases=6)
+    v, f = layers(ms)[0].vertex_matrix(), layers(ms)[0].face_matrix()
+    v[:, 0] *= -1
+    add(ms, v, f, name)
+    assert ms.apply_filter(MODEL)["shapes"] == 7
+
+
+def test_noise_gives_a_model():
+    ms = small_model_project()
+    f = layers(ms)[0].face_matrix()
+    noise = np.random.default_rng(3).normal(size=(12, 162, 3)) * 30
+    assert project_of(noise, f).apply_filter(MODEL)["modes"] == 11
 
 
 @pytest.mark.parametrize(

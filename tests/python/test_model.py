@@ -146,3 +146,34 @@ def test_input_that_cannot_be_meant(cycle, tmp_path):
     }.items():
         with pytest.raises(sp.FilterError, match=words):
             call()
+
+
+def changed(cycle, k, change):
+    shapes = np.array(cycle.landmarks)
+    shapes[k] = change(shapes[k])
+    return shapes
+
+
+def test_a_mirror_image_takes_part_and_is_named(cycle):
+    shapes = changed(cycle, 4, lambda shape: shape * [-1, 1, 1])
+    with pytest.warns(sp.SpherePropagationWarning, match="shape 4.* mirror image"):
+        assert len(sp.shape_model(shapes, cycle.landmark_faces).scores) == 6
+
+
+def nan_at_5(shape):
+    shape[[5, 8], 1] = np.nan
+    return shape
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (nan_at_5, ['"shape 4"', "2 landmarks", "landmark 5", "Leave the shape out"]),
+        (lambda shape: shape * 0 + 7, ['"shape 4"', "162 landmarks", "Leave the shape out"]),
+    ],
+)
+def test_landmarks_that_are_none(cycle, change, words):
+    with pytest.raises(sp.FilterError) as caught:
+        sp.shape_model(changed(cycle, 4, change), cycle.landmark_faces)
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+    assert "prepare" not in str(caught.value) and "::-1" not in str(caught.value)

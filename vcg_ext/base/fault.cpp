@@ -115,9 +115,7 @@ constexpr std::array<Entry, faultCount> entries{
     FAULT(NonFiniteLandmark,
           "Shape \"{name}\": {count|landmark has|landmarks have} coordinates that are not finite; "
           "the first is landmark {first}"),
-    FAULT(LandmarksInOnePlace,
-          "Shape \"{name}\": all its landmarks lie in one place, so it cannot be scaled to the "
-          "others"),
+    FAULT(LandmarksInOnePlace, "Shape \"{name}\": all its {count} landmarks lie in one place"),
     FAULT(NoFileEnding, NOT_WRITTEN "its name has no ending; choose one of {detail}"),
     FAULT(UnknownFileFormat,
           NOT_WRITTEN "\"{other}\" is no format that is known; choose one of {detail}"),

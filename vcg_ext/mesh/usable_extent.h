@@ -4,6 +4,8 @@
 /// flat nor so large or so small that products of lengths leave the range of numbers. A root map
 /// can be made of either; lengths, areas and alignment of several layers cannot be computed.
 
+#include <string>
+
 #include "vcg_ext/mesh/closed_surface.h"
 
 namespace sphere_propagation {
@@ -24,5 +26,8 @@ constexpr double minFaceShare = 1e-5;
 
 /// Throws SurfaceError: Flat, CoordinateTooLarge or ExtentTooSmall.
 void requireUsableExtent(const ClosedSurface& surface);
+
+/// The same of points that are finite, at least one. name: what errors call them.
+void requireUsableExtent(const Points& vertices, const std::string& name);
 
 }  // namespace sphere_propagation

@@ -61,7 +61,7 @@ void requireSize(const TrainingSet& shapes) {
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shapes.landmarkCount());
   for (const auto& [name, landmarks] : shapes.shapes())
     if (!(centroidSize(landmarks, equal) > 1e-12 * landmarks.cwiseAbs().maxCoeff()))
-      throw ParameterError(Finding(Fault::LandmarksInOnePlace, name));
+      throw ParameterError(Finding(Fault::LandmarksInOnePlace, name).of(shapes.landmarkCount()));
 }
 
 Points average(const std::vector<TrainingSet::Shape>& shapes) {
