@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -237,6 +238,7 @@ class ImportFilter : public host::Filter {
     const Trial trial(files, coordinates, parameters, entries);
     std::vector<Figures> figures;
     bool anyHandles = false, triedToAlign = false;
+    PhasesOfSlices phasesOfSlices;
     std::vector<Thin> thin;
     for (size_t i = 0; i < entries.size(); ++i) {
       const Entry& entry = entries[i];
@@ -244,7 +246,9 @@ class ImportFilter : public host::Filter {
       VolumeSurface surface = sequence.surface(i, part(task.progress, handlesFrom, 1));
       task.log(entry.name + ": " + sphere_propagation::describe(surface));
       warn(task, entry.name, surface);
-      if (lostShare(surface) > maxLoss) thin.push_back({i, totalLoss(surface), surface.voxelSize});
+      for (const int slice : surface.slices)
+        phasesOfSlices[slice][isMoved(surface, slice) ? 0 : 1].push_back(entry.phase);
+      if (isThin(surface)) thin.push_back({i, totalLoss(surface), surface.voxelSize});
       warnOfSlices(task, entry.name, surface, parameters.interpolation.alignSlices, [&] {
         if (std::exchange(triedToAlign, true)) return 0L;
         return trial.keptByAligning(i, surface.lostSlices);
@@ -253,6 +257,7 @@ class ImportFilter : public host::Filter {
       figures.emplace_back(surface, entry.phase, entry.seconds + stopwatch.seconds());
       addLayer(task, earlier, entry.file, entry.name, parameters, std::move(surface));
     }
+    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, phasesOfSlices);
     if (anyHandles) task.say(volume_messages::handlesElsewhere);
     warnOfThinLabels(task, thin, entries, trial);
     if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
@@ -287,7 +292,7 @@ class ImportFilter : public host::Filter {
                  static_cast<double>(s.filledVoxels),
                  static_cast<double>(s.handles.handles),
                  static_cast<double>(s.handles.changedVoxels),
-                 lostShare(s) > maxLoss ? 1.0 : 0.0,
+                 isThin(s) ? 1.0 : 0.0,
                  time} {}
     std::array<double, 11> values;
   };
@@ -300,8 +305,11 @@ class ImportFilter : public host::Filter {
   /// nothing.
   static void warn(const host::Task& task, const std::string& name, const VolumeSurface& surface) {
     const double loss = lostShare(surface);
-    if (loss <= maxLoss && std::abs(loss) > maxDifference && surface.interpolatedSlices == 0)
-      task.sayOf(name, volume_messages::volumesDiffer, 100 * std::abs(loss));
+    const double total = totalLoss(surface);
+    if (!isThin(surface) && std::min(std::abs(loss), std::abs(total)) > maxDifference &&
+        surface.interpolatedSlices == 0)
+      task.sayOf(name, volume_messages::volumesDiffer, 100 * std::abs(total),
+                 total > 0 ? "less" : "more");
     if (droppedShare(surface) > maxDropped)
       task.sayOf(name, volume_messages::partsDropped, 100 * droppedShare(surface));
     if (surface.interpolatedSlices > 0)
@@ -317,6 +325,20 @@ class ImportFilter : public host::Filter {
   /// How much of the label its surface does not enclose, what was dropped included.
   static double totalLoss(const VolumeSurface& surface) {
     return 1 - surface.volume / surface.labelVolume;
+  }
+
+  /// Whether its surface lacks much since the label is thin. Between slices that do not meet there
+  /// is little to interpolate: where slices are lost or out of line, or parts were dropped, which
+  /// is named, only what smoothing takes of the working voxels counts.
+  static bool isThin(const VolumeSurface& surface) {
+    if (!(lostShare(surface) > maxLoss)) return false;
+    const bool torn =
+        !surface.lostSlices.empty() || droppedShare(surface) > maxDropped ||
+        std::any_of(surface.unevenSlices.begin(), surface.unevenSlices.end(),
+                    [](const UnevenSlice& slice) { return slice.shift >= minUneven; });
+    const double kept = static_cast<double>(surface.workingVoxels - surface.dropped.voxels) *
+                        std::pow(surface.voxelSize, 3);
+    return !torn || surface.volume < (1 - maxLoss) * kept;
   }
 
   /// What other parameters would make of a phase: advice is tried before it is given.
@@ -454,6 +476,30 @@ class ImportFilter : public host::Filter {
       task.tell(remark(name,
                        aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
                        shiftsText(uneven)));
+  }
+
+  /// By slice: the phases in which it is out of line, and those in which it is not.
+  using PhasesOfSlices = std::map<int, std::array<std::vector<int>, 2>>;
+
+  static bool isMoved(const VolumeSurface& surface, int slice) {
+    return std::any_of(surface.unevenSlices.begin(), surface.unevenSlices.end(),
+                       [&](const UnevenSlice& uneven) { return uneven.slice == slice; });
+  }
+
+  /// "slice 6 in phases 0, 3, not in phases 1, 2".
+  static void warnOfUnlikePhases(const host::Task& task, const PhasesOfSlices& slices) {
+    const auto listed = [](const std::vector<int>& phases) {
+      std::string text = phases.size() > 1 ? "phases " : "phase ";
+      for (size_t i = 0; i < phases.size(); ++i)
+        text += (i > 0 ? ", " : "") + std::to_string(phases[i]);
+      return text;
+    };
+    std::string unlike;
+    for (const auto& [slice, phases] : slices)
+      if (!phases[0].empty() && !phases[1].empty())
+        unlike += (unlike.empty() ? "slice " : "; slice ") + std::to_string(slice) + " in " +
+                  listed(phases[0]) + ", not in " + listed(phases[1]);
+    if (!unlike.empty()) task.say(volume_messages::slicesAlignedInSome, unlike);
   }
 
   static host::Outputs outputsOf(const std::vector<Figures>& figures) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <locale>
+#include <sstream>
 #include <type_traits>
 #include <utility>
 
@@ -36,6 +38,21 @@ Voxel labelOf(T value, std::int32_t& label) {
     if (static_cast<T>(label) != value || (label < 0) != (value < T(0))) label = LabelGrid::beyond;
   }
   return Voxel::Label;
+}
+
+/// With six digits, or as many as tell it from a whole number.
+std::string unlikeWhole(double value) {
+  for (int digits = 6;; ++digits) {
+    std::stringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(digits);
+    text << value;
+    std::string shown = text.str();
+    double read = 0;
+    if (digits >= std::numeric_limits<double>::max_digits10 || !(text >> read) ||
+        read != std::nearbyint(read))
+      return shown;
+  }
 }
 
 }  // namespace
@@ -92,8 +109,8 @@ void VolumeFile::Content::copyPhase(int phase, LabelGrid& grid) {
       }
     }
   if (wrong > 0)
-    refuse(volume_messages::noLabels, name, wrong, firstWrong[0], firstWrong[1], firstWrong[2],
-           phase, wrongValue);
+    refuse(volume_messages::noLabels, wrong, firstWrong[0], firstWrong[1], firstWrong[2], phase,
+           unlikeWhole(wrongValue));
   if (nan > 0 && !any) throw AbsentLabelError(host::said(volume_messages::onlyNan));
   notNumbers += nan;
 }

@@ -6,6 +6,7 @@ import csv
 import gzip
 import re
 import shutil
+import warnings
 
 import numpy as np
 import pytest
@@ -77,7 +78,7 @@ def test_what_deserves_a_look_is_warned_of(volume, tmp_path):
         sp.read_label_volume(tmp_path / "gap.nii")
     with pytest.warns(
         sp.SpherePropagationWarning,
-        match=r"^beat_1.5mm label 2 phase \d+: [\d.]+ % lie between the volume",
+        match=r"^beat_1.5mm label 2 phase \d+: the surface encloses [\d.]+ % (more|less) than ",
     ) as warned:
         sp.read_label_volume(volume, labels=2)
     assert len({w.message.layer for w in warned}) == len(warned) == 3
@@ -129,6 +130,49 @@ def test_an_apex_after_another_breath_is_named_and_brought_back(tmp_path):
         (lost,) = sp.read_label_volume(path).surfaces
     (whole,) = sp.read_label_volume(path, align_slices=True).surfaces
     assert np.ptp(lost.vertices[:, 2]) < 92 and abs(np.ptp(whole.vertices[:, 2]) - 100) < 1  # mm
+
+
+def stack_with(moved, by, spacing=10.0):
+    """Discs of 14 voxels in 9 slices, some of them out of place."""
+    labels = np.zeros((96, 64, 13), np.uint8)
+    x, y = np.indices((96, 64))
+    for k in range(9):
+        labels[:, :, 2 + k] = (x - 30 - by * (k in moved)) ** 2 + (y - 30) ** 2 < 14**2
+    return volume_files.nifti(labels, np.diag([1.4, 1.4, spacing, 1]))
+
+
+@pytest.mark.parametrize("moved, by", [((4,), 40)])
+def test_slices_out_of_place_do_not_make_a_label_thin(tmp_path, moved, by):
+    (tmp_path / "torn.nii").write_bytes(stack_with(moved, by))
+    with pytest.warns(sp.SpherePropagationWarning) as caught:
+        figures = sp.read_label_volume(tmp_path / "torn.nii").figures
+    said = " ".join(str(w.message) for w in caught)
+    assert figures["volume"][0] < 0.9 * figures["label_volume"][0]
+    assert "thin" not in said and "finer ones" not in said and figures["thin"][0] == 0, said
+    assert "% less than the label's voxels." in said and "slice" in said
+
+
+def test_slices_moved_in_some_phases_only_are_named(tmp_path):
+    """Phase 1 has its slice in line, and the phase without the last slice says nothing of it."""
+    x, y = np.indices((72, 64))
+    labels = np.zeros((72, 64, 13, 3), np.uint8)
+    for p in range(3):
+        for k in range(9 - (p == 2)):
+            aside = 8 * (k == 4 and p != 1)
+            labels[:, :, 2 + k, p] = (x - 30 - aside) ** 2 + (y - 30) ** 2 < 14**2
+    path = tmp_path / "some.nii"
+    path.write_bytes(volume_files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"slices moved in some phases and not in others: slice 6 in phases 0, 2, not in "
+        r"phase 1 \(counted from 0\)",
+    ):
+        sp.read_label_volume(path, align_slices=True)
+    labels[..., 1] = labels[..., 0]
+    path.write_bytes(volume_files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", sp.SpherePropagationWarning)
+        sp.read_label_volume(path, align_slices=True)
 
 
 def vertebra(thin):

@@ -510,6 +510,18 @@ def test_the_packed_file_is_read_though_it_lies_unpacked_beside_it(tmp_path, val
     assert imported(path, labels="2")[1]["label_volume"][0] == files.egg().sum()
 
 
+@pytest.mark.parametrize(
+    "value, shown", [(1.0003, "1.0003"), (1000000.5, "1000000.5"), (2.5, "2.5")]
+)
+def test_a_voxel_that_is_no_label_is_shown_with_the_digits_that_tell(tmp_path, value, shown):
+    path = tmp_path / "image.nii"
+    path.write_bytes(files.nifti(files.egg(dtype="f8") * value))
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        pymeshlab.MeshSet().apply_filter(IMPORT, file_name=str(path))
+    assert f"which is {shown}: labels are whole numbers" in str(error.value)
+    assert str(error.value).count("image.nii") == 1
+
+
 def test_no_file(tmp_path):
     refused("", "file_name is empty")
     refused(tmp_path / "none.nii", "no such file")

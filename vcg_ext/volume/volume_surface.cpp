@@ -127,6 +127,17 @@ std::vector<int> lostSlicesOf(const WorkingVolume& volume) {
   return lost;
 }
 
+std::vector<int> labelledSlices(const LabelStack& stack) {
+  std::vector<int> slices;
+  const auto size = static_cast<std::ptrdiff_t>(stack.mask.index(0, 0, 1));
+  for (int k = 0; k < stack.mask.size[2]; ++k) {
+    const auto begin = stack.mask.values.begin() + k * size;
+    if (std::any_of(begin, begin + size, [](std::uint8_t in) { return in != 0; }))
+      slices.push_back(k + stack.firstSlice);
+  }
+  return slices;
+}
+
 }  // namespace
 
 WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
@@ -145,6 +156,7 @@ WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParamete
   result.workingVoxels = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
   if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(result.voxelSize));
   result.unevenSlices = volume.field.unevenSlices;
+  result.slices = labelledSlices(volume.field.stack);
   if (parameters.keepLargestComponent) {
     result.dropped = keepLargestPart(mask);
     if (result.dropped.parts > 0) result.lostSlices = lostSlicesOf(volume);

@@ -37,6 +37,7 @@ struct VolumeSurface {
   DroppedParts dropped;         ///< of the working grid
   std::vector<int> lostSlices;  ///< indices of slices at least half of which was dropped
   std::vector<UnevenSlice> unevenSlices;
+  std::vector<int> slices;                ///< indices of those with a label
   RemovedHandles handles;                 ///< of the working grid
   std::vector<HandlePlace> handlePlaces;  ///< groups of changed voxels, the largest first
 };
