@@ -75,14 +75,14 @@ TrainingSet trainingSet(const host::Task& task) {
     MeshContent content = layer.content();
     shapes.push_back({layer.label(), std::move(content.vertices)});
     if (shapes.size() == 1) faces = content.faces;
+    // Before faces are compared: a matrix that flattens mirrors as rounding will have it.
+    if (shapes.back().landmarks.allFinite()) requireUsable(shapes.back());
     // Layers of different sizes are the training set's business. Of one size they have one list,
     // unless one is mirrored.
     if (shapes.back().landmarks.rows() == shapes.front().landmarks.rows() && content.faces != faces)
       throw host::Refusal(messages::differentFaces, shapes.front().name, layer.label());
   }
-  TrainingSet set(std::move(shapes), std::move(faces));
-  for (const TrainingSet::Shape& shape : set.shapes()) requireUsable(shape);
-  return set;
+  return {std::move(shapes), std::move(faces)};
 }
 
 void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {
