@@ -85,7 +85,7 @@ void compareWithFile(VolumeHeader& header, double claimed, double present, bool 
     refuse(volume_messages::claimsMore, bytesInWords(claimed), bytesInWords(present));
   if (!compressed && present > claimed)
     header.remarks.push_back(
-        remark("", volume_messages::moreThanClaimed, bytesInWords(present - claimed)));
+        host::remarkOn("", volume_messages::moreThanClaimed, bytesInWords(present - claimed)));
 }
 
 double sizeOfFile(const fs::path& path) {

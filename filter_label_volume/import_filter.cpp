@@ -221,7 +221,7 @@ class ImportFilter : public host::Filter {
             throw AbsentLabelError(phases > 1 ? host::said(volume_messages::canBeSkipped, what)
                                               : what);
           }
-          task.tell(remark(name, volume_messages::phaseSkipped, host::sentence(error)));
+          task.tell(host::remarkOn(name, volume_messages::phaseSkipped, host::sentence(error)));
           ++skipped;
         } catch (const VolumeError& error) {
           throw VolumeError(place(files[static_cast<size_t>(f)], p, file.phases()) +
@@ -394,9 +394,10 @@ class ImportFilter : public host::Filter {
     const auto worst = std::max_element(
         thin.begin(), thin.end(), [](const Thin& a, const Thin& b) { return a.loss < b.loss; });
     for (auto phase = thin.begin(); phase != thin.end(); ++phase)
-      task.tell(phase == worst ? adviceOn(*phase, entries[phase->entry].name, trial)
-                               : remark(entries[phase->entry].name, volume_messages::thinLabel,
-                                        std::lround(100 * phase->loss)));
+      task.tell(phase == worst
+                    ? adviceOn(*phase, entries[phase->entry].name, trial)
+                    : host::remarkOn(entries[phase->entry].name, volume_messages::thinLabel,
+                                     std::lround(100 * phase->loss)));
   }
 
   static host::Remark adviceOn(const Thin& thin, const std::string& name, const Trial& trial) {
@@ -425,8 +426,9 @@ class ImportFilter : public host::Filter {
     }
     const long now = std::lround(100 * thin.loss);
     return best < maxLoss || best < thin.loss / 2
-               ? remark(name, volume_messages::thinRemedy, now, bestWay, std::lround(100 * best))
-               : remark(name, volume_messages::thinForItsVoxels, now, tried);
+               ? host::remarkOn(name, volume_messages::thinRemedy, now, bestWay,
+                                std::lround(100 * best))
+               : host::remarkOn(name, volume_messages::thinForItsVoxels, now, tried);
   }
 
   /// "slices 3 to 5, slice 11".
@@ -459,8 +461,8 @@ class ImportFilter : public host::Filter {
     if (!surface.lostSlices.empty()) {
       const long kept = aligned ? 0 : keptByAligning();
       const std::string lost = slicesText(surface.lostSlices);
-      task.tell(kept > 0 ? remark(name, volume_messages::slicesLostByShift, lost, kept)
-                         : remark(name, volume_messages::slicesLost, lost));
+      task.tell(kept > 0 ? host::remarkOn(name, volume_messages::slicesLostByShift, lost, kept)
+                         : host::remarkOn(name, volume_messages::slicesLost, lost));
     }
     std::vector<UnevenSlice> uneven = surface.unevenSlices;
     if (!aligned)
@@ -473,9 +475,9 @@ class ImportFilter : public host::Filter {
                                   }),
                    uneven.end());
     if (!uneven.empty())
-      task.tell(remark(name,
-                       aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
-                       shiftsText(uneven)));
+      task.tell(host::remarkOn(
+          name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
+          shiftsText(uneven)));
   }
 
   /// By slice: the phases in which it is out of line, and those in which it is not.
@@ -527,8 +529,8 @@ class ImportFilter : public host::Filter {
                                        : volume_messages::handlesCut;
     const std::string what = removed.handles > 0 ? counted(removed.handles, "handle", "handles")
                                                  : std::string("a cavity");
-    task.tell(remark(name, message, what, workingVoxels(removed.changedVoxels),
-                     placesText(surface.handlePlaces)));
+    task.tell(host::remarkOn(name, message, what, workingVoxels(removed.changedVoxels),
+                             placesText(surface.handlePlaces)));
     return true;
   }
 

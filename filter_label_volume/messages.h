@@ -23,12 +23,6 @@ inline constexpr std::array all{
 
 }  // namespace volume_messages
 
-/// What is said of a file or a layer, which `of` names; empty: of the whole.
-template <class... Values>
-host::Remark remark(const std::string& of, const host::Message& message, const Values&... values) {
-  return {message.kind, message.name, of, host::said(message, values...)};
-}
-
 /// Throws VolumeError with what a message says of a file.
 template <class... Values>
 [[noreturn]] void refuse(const host::Message& message, const Values&... values) {

@@ -61,7 +61,7 @@ void placeMeta(VolumeHeader& header, const TextHeader& head, size_t dimensions) 
   const std::string name = head.at("distanceunits");
   double unit = unitByName(name);
   if (unit == 0) {
-    header.remarks.push_back(remark("", volume_messages::unknownUnit, name));
+    header.remarks.push_back(host::remarkOn("", volume_messages::unknownUnit, name));
     unit = 1;
   }
   Eigen::Matrix4d toLps = Eigen::Matrix4d::Identity();
@@ -73,7 +73,7 @@ void placeMeta(VolumeHeader& header, const TextHeader& head, size_t dimensions) 
   }
   const std::string letters = head.at("anatomicalorientation");
   if (!canStandFor(letters, toLps.topLeftCorner<3, 3>()))
-    header.remarks.push_back(remark("", volume_messages::orientationContradicts, letters));
+    header.remarks.push_back(host::remarkOn("", volume_messages::orientationContradicts, letters));
   for (size_t axis = 0; axis < 3 && !spacing.empty(); ++axis)
     toLps.col(static_cast<Eigen::Index>(axis)) *= spacing[axis];
   toLps.topRows<3>() *= unit;

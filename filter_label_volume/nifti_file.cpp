@@ -187,7 +187,7 @@ Eigen::Matrix4d niftiMatrix(const RawHeader& raw, std::vector<host::Remark>& rem
       for (size_t i = 0; i < 3; ++i)
         matrix(static_cast<Eigen::Index>(i), 3) = raw.real(268, 376, i);
     } else {
-      remarks.push_back(remark("", volume_messages::noPlaceRas));
+      remarks.push_back(host::remarkOn("", volume_messages::noPlaceRas));
     }
     for (size_t i = 0; i < 3; ++i)
       matrix.col(static_cast<Eigen::Index>(i)) *= std::fabs(raw.real(76, 104, i + 1));
@@ -273,7 +273,7 @@ VolumeHeader readNiftiHeader(const std::string& name) {
   header.type = typeOf(raw.fields().get<std::int16_t>(raw.second() ? 12 : 70), raw.version);
   if (raw.version == Version::Analyze) {
     header.toRas = analyzeMatrix(raw, header);
-    header.remarks.push_back(remark("", volume_messages::analyzeSides));
+    header.remarks.push_back(host::remarkOn("", volume_messages::analyzeSides));
   } else {
     header.toRas = niftiMatrix(raw, header.remarks);
   }

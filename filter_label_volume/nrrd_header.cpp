@@ -188,7 +188,7 @@ void requirePhases(const TextHeader& head, const std::vector<NrrdAxis>& axes,
 double unitIn(const std::string& unit, std::vector<host::Remark>& remarks) {
   const double millimetres = unitByName(unit);
   if (millimetres > 0) return millimetres;
-  const host::Remark said = remark("", volume_messages::unknownUnit, unit);
+  const host::Remark said = host::remarkOn("", volume_messages::unknownUnit, unit);
   if (std::none_of(remarks.begin(), remarks.end(),
                    [&](const host::Remark& other) { return other.text == said.text; }))
     remarks.push_back(said);
@@ -240,12 +240,12 @@ void placeNrrd(VolumeHeader& header, const TextHeader& head, const std::vector<N
     header.toRas.row(static_cast<Eigen::Index>(row)) *= unitIn(units[row], header.remarks);
 
   if (space == nullptr)
-    header.remarks.push_back(name.empty() ? remark("", volume_messages::noPlaceLps)
-                                          : remark("", volume_messages::noSides, name));
+    header.remarks.push_back(name.empty() ? host::remarkOn("", volume_messages::noPlaceLps)
+                                          : host::remarkOn("", volume_messages::noSides, name));
   else if (space->says == Space::Says::NoSides)
-    header.remarks.push_back(remark("", volume_messages::noSides, name));
+    header.remarks.push_back(host::remarkOn("", volume_messages::noSides, name));
   else if (space->says == Space::Says::LeftHanded)
-    header.remarks.push_back(remark("", volume_messages::leftHanded, name));
+    header.remarks.push_back(host::remarkOn("", volume_messages::leftHanded, name));
   const Vector3 signs = space == nullptr ? Vector3(-1, -1, 1) : space->toRas;
   header.toRas.topRows<3>() = signs.asDiagonal() * header.toRas.topRows<3>();
 }

@@ -141,7 +141,7 @@ int VolumeFile::phases() const { return static_cast<int>(content_->header.size[3
 std::vector<host::Remark> VolumeFile::remarks() const {
   std::vector<host::Remark> remarks = content_->header.remarks;
   if (content_->notNumbers > 0)
-    remarks.push_back(remark("", volume_messages::nanIsBackground, content_->notNumbers));
+    remarks.push_back(host::remarkOn("", volume_messages::nanIsBackground, content_->notNumbers));
   return remarks;
 }
 

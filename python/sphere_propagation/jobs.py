@@ -279,51 +279,41 @@ def _scan_section(
     """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
     name = "scan"
     with attention.collected() as said:
-        return _scanned(name, results, phantom, fine, parameters, volume, steps, said)
-
-
-def _scanned(
-    name: str,
-    results: ResultFolder,
-    phantom: Ventricle,
-    fine: Sequence[Surface],
-    parameters: CorrespondenceParameters,
-    volume: Mapping[str, Any],
-    steps: Lines,
-    said: Sequence[SpherePropagationWarning],
-) -> Section:
-    steps.begin(f"{name}: labelling slices")
-    labels, affine = phantom.scan()
-    path = results.write(
-        f"{name}/{name}.nii.gz", lambda path: write_nifti(path, labels, affine, SECONDS_PER_PHASE)
-    )
-    voxels = " x ".join(f"{length:g}" for length in SCAN_SPACING)
-    steps.done(f"{name}: {labels.shape[3]} phases of labels, voxels of {voxels} mm")
-    steps.begin(f"{name}: surfaces of the labels")
-    surfaces = filters.read_label_volume(
-        path, **{key: value for key, value in volume.items() if key != "voxel_size"}
-    ).surfaces
-    steps.done(
-        f"{name}: {len(surfaces)} surfaces, "
-        f"{np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
-    )
-    result = correspond_by(
-        replace(parameters, method=DEFAULTS.method), surfaces, progress=_Named(steps, name)
-    )
-    row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1))
-    _write_layers(results, name, row, steps)
-    model = _build_model(results, name, result, steps)
-    whole = str(volume.get("labels", "1")) == "1"
-    return Section(
-        [row],
-        [report.Run(name, result, warnings=list(said))],
-        "From a label volume to a shape model",
-        f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. "
-        "What comes out: a closed surface per phase, landmarks that correspond, and the "
-        "statistical shape model of the cycle.",
-        model=model,
-        true_volumes=np.array([surface.volume for surface in fine]) if whole else None,
-    )
+        steps.begin(f"{name}: labelling slices")
+        labels, affine = phantom.scan()
+        path = results.write(
+            f"{name}/{name}.nii.gz",
+            lambda path: write_nifti(path, labels, affine, SECONDS_PER_PHASE),
+        )
+        voxels = " x ".join(f"{length:g}" for length in SCAN_SPACING)
+        steps.done(f"{name}: {labels.shape[3]} phases of labels, voxels of {voxels} mm")
+        steps.begin(f"{name}: surfaces of the labels")
+        surfaces = filters.read_label_volume(
+            path, **{key: value for key, value in volume.items() if key != "voxel_size"}
+        ).surfaces
+        steps.done(
+            f"{name}: {len(surfaces)} surfaces, "
+            f"{np.mean([len(surface.vertices) for surface in surfaces]):.0f} vertices on average"
+        )
+        result = correspond_by(
+            replace(parameters, method=DEFAULTS.method), surfaces, progress=_Named(steps, name)
+        )
+        row = Row(
+            f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1)
+        )
+        _write_layers(results, name, row, steps)
+        model = _build_model(results, name, result, steps)
+        whole = str(volume.get("labels", "1")) == "1"
+        return Section(
+            [row],
+            [report.Run(name, result, warnings=list(said))],
+            "From a label volume to a shape model",
+            f"What goes in is scan.nii.gz: labels in voxels of {voxels} mm, as clinics have them. "
+            "What comes out: a closed surface per phase, landmarks that correspond, and the "
+            "statistical shape model of the cycle.",
+            model=model,
+            true_volumes=np.array([surface.volume for surface in fine]) if whole else None,
+        )
 
 
 def _name_of(given: Sequence, paths: Sequence[Path]) -> str:

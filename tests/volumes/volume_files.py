@@ -57,26 +57,9 @@ def data(array):
     return np.asarray(array).tobytes(order="F")
 
 
-def nifti(
-    array,
-    matrix=IDENTITY,
-    size=None,
-    sform=1,
-    qform=None,
-    pixdim=None,
-    slope=0.0,
-    inter=0.0,
-    big=False,
-    version=1,
-    unit=2,
-    intent=0,
-    begin=None,
-):
-    """The bytes of a NIfTI file of version 1 or 2. qform: (b, c, d, offset, qfac); size: what the
-    header claims instead of the truth; begin: what it says of where the voxels are."""
-    header, voxels = nifti_pair(
-        array, matrix, size, sform, qform, pixdim, slope, inter, big, version, unit, intent, begin
-    )
+def nifti(*content, version=1, big=False, begin=None, **fields):
+    """The bytes of a NIfTI file of version 1 or 2; content and fields as of nifti_pair."""
+    header, voxels = nifti_pair(*content, version=version, big=big, begin=begin, **fields)
     header[344:347] = b"n+1" if version == 1 else header[344:347]
     header[4:7] = b"n+2" if version == 2 else header[4:7]
     if begin is None:
@@ -101,7 +84,8 @@ def nifti_pair(
     intent=0,
     begin=None,
 ):
-    """The bytes of .hdr (which may be changed) and .img; see nifti."""
+    """The bytes of .hdr (which may be changed) and .img. qform: (b, c, d, offset, qfac); size: what
+    the header claims instead of the truth; begin: what it says of where the voxels are."""
     order = ">" if big else "<"
     size = list(array.shape if size is None else size)
     header = bytearray(352 if version == 1 else 544)

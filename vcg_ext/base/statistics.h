@@ -3,6 +3,8 @@
 /// Figures of samples that a few wild ones do not move.
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 namespace sphere_propagation {
@@ -17,6 +19,19 @@ inline double medianOf(std::vector<double> samples) {
   std::nth_element(samples.begin(), middle, samples.end());
   if (samples.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(samples.begin(), middle)) / 2;
+}
+
+struct RobustSpread {
+  double middle = 0;     ///< the median
+  double deviation = 0;  ///< the standard deviation, from the median absolute deviation
+};
+
+inline RobustSpread robustSpreadOf(std::vector<double> samples) {
+  RobustSpread spread;
+  spread.middle = medianOf(samples);
+  for (double& sample : samples) sample = std::fabs(sample - spread.middle);
+  spread.deviation = normalDeviation * medianOf(std::move(samples));
+  return spread;
 }
 
 }  // namespace sphere_propagation

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
@@ -55,13 +56,11 @@ std::vector<char> residualsThatStandOut(const Sequence& sequence,
     known.push_back(logs[i]);
   }
   if (known.size() < 3) return standsOut;  // of two nobody knows which is right
-  const double middle = medianOf(known);
-  for (double& value : known) value = std::fabs(value - middle);
-  const double most =
-      std::max(std::log(muchFarther), deviationsFarther * normalDeviation * medianOf(known));
+  const RobustSpread usual = robustSpreadOf(std::move(known));
+  const double most = std::max(std::log(muchFarther), deviationsFarther * usual.deviation);
   for (size_t i = 0; i < layers.size(); ++i) {
     const double mean = layers[i].transferred.residual.mean;
-    standsOut[i] = layers[i].parent >= 0 && mean > 0 && logs[i] > middle + most &&
+    standsOut[i] = layers[i].parent >= 0 && mean > 0 && logs[i] > usual.middle + most &&
                            mean > edgesFarther * sequence[static_cast<int>(i)].meanEdge()
                        ? 1
                        : 0;

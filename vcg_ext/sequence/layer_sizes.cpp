@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "vcg_ext/base/statistics.h"
 
@@ -43,13 +44,11 @@ std::vector<char> apartFromOthers(const std::vector<double>& sizes, int root) {
   }
   std::vector<double> within;
   for (size_t k = first; k < last; ++k) within.push_back(sizes[sorted[k]]);
-  const double middle = medianOf(within);
-  for (double& size : within) size = std::fabs(size - middle);
-  const double most =
-      std::max(std::log(fromMedian), deviations * normalDeviation * medianOf(within));
+  const RobustSpread usual = robustSpreadOf(std::move(within));
+  const double most = std::max(std::log(fromMedian), deviations * usual.deviation);
   std::vector<char> apart(count, 1);
   for (size_t k = first; k < last; ++k)
-    apart[sorted[k]] = std::fabs(sizes[sorted[k]] - middle) > most ? 1 : 0;
+    apart[sorted[k]] = std::fabs(sizes[sorted[k]] - usual.middle) > most ? 1 : 0;
   return apart;
 }
 
