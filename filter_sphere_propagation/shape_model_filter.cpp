@@ -212,6 +212,8 @@ class ShapeModelFilter : public host::Filter {
       task.log(
           "written: " + written.front() +
           (written.size() > 1 ? ", and " + written[1] + " to " + written.back() : std::string()));
+    } else {
+      task.say(messages::notExported);
     }
 
     host::Outputs outputs;

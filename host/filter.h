@@ -36,7 +36,8 @@ enum class Arity { None, CurrentLayer, VisibleLayers };
 struct FilterDescription {
   std::string name;        ///< the menu entry
   std::string pythonName;  ///< its name in PyMeshLab
-  std::string info;        ///< HTML
+  std::string info;        ///< HTML: all that there is to know
+  std::string brief;       ///< HTML: what a dialog shows, of four to six lines
   int menus = 0;           ///< Menu values, or-ed
   Arity arity = Arity::CurrentLayer;
 };

@@ -83,11 +83,19 @@ FilterSet::FilterSet(std::vector<std::unique_ptr<Filter>> filters) : filters_(st
 
 FilterSet::~FilterSet() = default;
 
+const std::string& FilterSet::info(int index) const {
+  const FilterDescription& filter = description(index);
+  return thisHost() == Host::PyMeshLab ? filter.info : filter.brief;
+}
+
 RichParameterList FilterSet::parameters(int index, const MeshDocument& document) const {
   RichParameterList list;
-  for (const Parameter& p : filters_.at(static_cast<size_t>(index))->parameters(Layers(document)))
-    add(list, p, document);
+  for (const Parameter& p : outline(index, document)) add(list, p, document);
   return list;
+}
+
+std::vector<Parameter> FilterSet::outline(int index, const MeshDocument& document) const {
+  return filters_.at(static_cast<size_t>(index))->parameters(Layers(document));
 }
 
 int FilterSet::changes() {

@@ -27,7 +27,11 @@ class FilterSet {
   const FilterDescription& description(int index) const {
     return descriptions_.at(static_cast<size_t>(index));
   }
+  /// What the host shows of a filter: scripts have all of it, dialogs the first lines.
+  const std::string& info(int index) const;
   RichParameterList parameters(int index, const MeshDocument& document) const;
+  /// The same in no host's words.
+  std::vector<Parameter> outline(int index, const MeshDocument& document) const;
 
   struct Result {
     std::optional<std::string>

@@ -20,6 +20,10 @@ constexpr std::string_view lineBreak = "<br>";
 constexpr const char* ofWarnings =
     "<br><br>What deserves a look is said in the log, and returned to scripts as <b>warnings</b>.";
 
+/// Where dialogs send for the rest: Apply is to stay on a small screen.
+constexpr const char* moreInReference =
+    "<br>More, with what it returns and references: docs/filters.md.";
+
 [[noreturn]] void fail(const std::string& file, const std::string& what) {
   throw std::logic_error("help/" + file + ": " + what);
 }
@@ -105,6 +109,7 @@ Help::Help(std::string pythonName, const Values& values) : pythonName_(std::move
   title_ = inOneLine(between(text, "<title>", "</title>", at));
   const size_t list = text.find("<dl>");
   info_ = withBreaks(text.substr(0, list));
+  brief_ = info_.substr(0, info_.find("<br><br>"));
   if (title_.empty() || info_.empty()) fail(pythonName_, "no text");
   if (list == std::string::npos) return;
   const size_t end = text.find("</dl>", list);
@@ -119,7 +124,7 @@ Help::Help(std::string pythonName, const Values& values) : pythonName_(std::move
 }
 
 FilterDescription Help::describe(int menus, Arity arity) const {
-  return {title_, pythonName_, info_ + ofWarnings, menus, arity};
+  return {title_, pythonName_, info_ + ofWarnings, brief_ + moreInReference, menus, arity};
 }
 
 Parameter Help::parameter(const std::string& name, decltype(Parameter::value) value) const {

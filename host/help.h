@@ -4,7 +4,8 @@
 /// as they are: help/PYTHON_NAME.html of the plugin, which cmake/EmbedTexts.cmake compiles into it.
 ///
 ///     <title>Menu entry</title>
-///     <p> What the filter does, what it returns, references; one <p> for each paragraph.
+///     <p> What the filter does in four to six lines of a dialog, which shows this paragraph alone.
+///     <p> What else there is to know, what it returns, references; one <p> for each paragraph.
 ///     <dl>
 ///     <dt id="parameter_name">Label in the dialog
 ///     <dd>The parameter's help.
@@ -41,7 +42,7 @@ class Help {
   struct Section {
     std::string label, help;
   };
-  std::string pythonName_, title_, info_;
+  std::string pythonName_, title_, info_, brief_;
   std::map<std::string, Section> sections_;  // by the parameters' names
 };
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "host/meshlab_2020/plugin.h"
 
+#include <common/filterscript.h>
+
 #include <QAction>
+#include <map>
 #include <utility>
 
 #include "host/messages.h"
@@ -49,12 +52,31 @@ MeshFilterInterface::FILTER_ARITY Plugin::filterArity(QAction* action) const {
 }
 
 void Plugin::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& list) {
-  list = filters_.parameters(ID(action), document);
+  const int index = ID(action);
+  list = filters_.parameters(index, document);
+  std::map<QString, Dialog::Row> known;
+  for (const Parameter& p : filters_.outline(index, document)) {
+    const bool isFile = std::holds_alternative<Parameter::File>(p.value) ||
+                        std::holds_alternative<Parameter::NewFile>(p.value);
+    known[qt(p.name)] = {qt(p.name), p.advanced, isFile};
+  }
+  std::vector<Dialog::Row> rows;
+  for (const RichParameter& p : list) rows.push_back(known[p.name()]);
+  dialog_.expect(filterName(index), std::move(rows));
 }
 
 bool Plugin::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& values,
                          vcg::CallBackPos* callback) {
-  const FilterSet::Result result = filters_.run(ID(action), values, document, callback,
+  RichParameterList given(values);
+  const std::map<QString, QString> paths = dialog_.pathsAtApply(filterName(ID(action)));
+  for (const auto& [name, path] : paths)
+    if (given.hasParameter(name)) given.setValue(name, FileValue(path));
+  // The script of the project is to do what was done.
+  if (FilterScript* history = document.filterHistory; !paths.empty() && history != nullptr &&
+                                                      !history->isEmpty() &&
+                                                      history->last().first == action->text())
+    history->last().second = given;
+  const FilterSet::Result result = filters_.run(ID(action), given, document, callback,
                                                 [this](const std::string& line) { Log(line); });
   if (!result.failure) return true;
   errorMessage = qt(*result.failure);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/filter_set.h"
+#include "host/meshlab_2020/dialog.h"
 
 #define HOST_PLUGIN_INTERFACE MeshFilterInterface
 #define HOST_PLUGIN_IID MESH_FILTER_INTERFACE_IID
@@ -28,7 +29,7 @@ class Plugin : public QObject, public MeshFilterInterface {
   QString filterScriptFunctionName(FilterIDType id) override {
     return qt(filters_.description(id).pythonName);
   }
-  QString filterInfo(FilterIDType id) const override { return qt(filters_.description(id).info); }
+  QString filterInfo(FilterIDType id) const override { return qt(filters_.info(id)); }
   FilterClass getClass(QAction* action) override;
   FILTER_ARITY filterArity(QAction* action) const override;
   int getRequirements(QAction*) override { return MeshModel::MM_NONE; }
@@ -41,6 +42,7 @@ class Plugin : public QObject, public MeshFilterInterface {
  private:
   QString name_;
   FilterSet filters_;
+  Dialog dialog_;
 };
 
 }  // namespace sphere_propagation::host

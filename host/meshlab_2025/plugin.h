@@ -29,7 +29,7 @@ class Plugin : public QObject, public FilterPlugin {
   QString pythonFilterName(ActionIDType id) const override {
     return qt(filters_.description(id).pythonName);
   }
-  QString filterInfo(ActionIDType id) const override { return qt(filters_.description(id).info); }
+  QString filterInfo(ActionIDType id) const override { return qt(filters_.info(id)); }
   FilterClass getClass(const QAction* action) const override;
   FilterArity filterArity(const QAction* action) const override;
   int getRequirements(const QAction*) override { return MeshModel::MM_NONE; }

@@ -48,3 +48,12 @@ def test_nothing_of_the_files_own_marks_is_shown(filters):
             texts += [parameter.get("description"), parameter.get("tooltip")]
         for text in texts:
             assert not re.search(r"[{}]|<!--|</?(p|dl|dt|dd|title)\b", text), text
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_dialogs_show_four_to_six_lines(path):
+    """The first paragraph, at some 65 letters a line."""
+    text = re.sub("<!--.*?-->", "", path.read_text(), flags=re.S)
+    if "<p>" in text:
+        first = " ".join(re.sub("<.*?>", "", text.split("<p>")[1]).split())
+        assert len(first) <= 360

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
-from gui import GuiError, MeshLab, until
+from gui import FILTERS_WITH_DIALOG, GuiError, MeshLab, until
 
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
 PICTURES = Path(os.environ["GUI_PICTURES"])
@@ -55,14 +55,19 @@ def start(tmp_path):
     """start(file...): MeshLab with these files, in a home that holds the plugin where a user puts
     it."""
 
-    def started(*files):
+    def started(*files, **more):
         home = tmp_path / "home"
         folder = home / "data/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07"
         folder.mkdir(parents=True, exist_ok=True)
         for plugin in Path(os.environ["GUI_PLUGIN"]).parent.glob("libfilter_*.so"):
             shutil.copy(plugin, folder)
         return MeshLab(
-            os.environ["MESHLAB_GUI"], home, os.environ["GUI_AGENT"], files, pictures=PICTURES
+            os.environ["MESHLAB_GUI"],
+            home,
+            os.environ["GUI_AGENT"],
+            files,
+            pictures=PICTURES,
+            **more,
         )
 
     return started
@@ -115,6 +120,20 @@ def test_every_filter_is_in_its_menus(start, sample):
                 found.setdefault(entry["text"], set()).add(entry["menu"])
         assert set(found) == set(FILTERS)
         assert {name: menus & found[name] for name, menus in FILTERS.items()} == FILTERS
+
+
+def test_dialogs_fit_a_small_screen(start, sample):
+    """Apply is seen on a laptop's screen, in the dialog of every filter."""
+    with start(sample, screen=(1280, 768)) as gui:
+        gui.fill_screen()
+        entries = {e["text"] for e in gui.menus()}
+        off = {}
+        for name in entries & set(FILTERS_WITH_DIALOG):  # the volume plugin may be absent
+            gui.open_filter(name)
+            off[name] = gui.button_off_screen()
+            gui.close_dialog()
+        assert set(FILTERS) - {EVALUATE} <= set(off)
+        assert not any(off.values()), off
 
 
 def test_the_main_job(start, sample):

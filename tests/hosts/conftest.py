@@ -56,9 +56,11 @@ def server():
 def meshlab(tmp_path, request):
     """meshlab(*files): MeshLab's GUI, to be used in a with statement; see gui.py."""
 
-    def start(*files):
+    def start(*files, **more):
         name = request.node.name.split("[")[0].removeprefix("test_")
-        return gui.MeshLab(PREFIX / "bin/meshlab", tmp_path / "home", AGENT, files, PICTURES / name)
+        return gui.MeshLab(
+            PREFIX / "bin/meshlab", tmp_path / "home", AGENT, files, PICTURES / name, **more
+        )
 
     return start
 

@@ -14,6 +14,7 @@ Xvfb and Mesa's software OpenGL.
 
 import json
 import os
+import re
 import socket
 import subprocess
 import tempfile
@@ -35,6 +36,15 @@ MeshLab%3A%3ASystem%3A%3AsendAnonymousData="<!DOCTYPE MeshLabSettings>\\n\
 <Param type=\\"RichBool\\" value=\\"false\\" \
 name=\\"MeshLab::System::sendAnonymousData\\" description=\\"\\" tooltip=\\"\\"/>\\n"
 """
+
+
+# The filters that have a dialog, as the plugins' help calls them.
+HELP = sorted(Path(__file__).parents[2].glob("filter_*/help/*.html"))
+FILTERS_WITH_DIALOG = [
+    re.search("<title>(.*)</title>", text).group(1)
+    for text in (file.read_text() for file in HELP)
+    if "<dl>" in text
+]
 
 
 class GuiError(Exception):
@@ -59,13 +69,15 @@ class MeshLab:
     binary: meshlab's executable; files: meshes and projects to open; home: a folder of its own for
     settings and user plugins;
     agent: the library built from gui_agent.cpp; pictures: where picture() writes; environment: more
-    variables.
+    variables; screen: its size.
     """
 
-    def __init__(self, binary, home, agent, files=(), pictures=None, environment=None):
+    def __init__(
+        self, binary, home, agent, files=(), pictures=None, environment=None, screen=(1280, 900)
+    ):
         self.binary, self.home, self.agent = Path(binary), Path(home), Path(agent)
         self.files, self.pictures = [str(Path(f).resolve()) for f in files], Path(pictures or home)
-        self.more = environment or {}
+        self.more, self.screen = environment or {}, screen
         # Short: a socket's path has at most 107 characters.
         self._folder = tempfile.TemporaryDirectory(prefix="gui-")
         self._processes, self._socket, self._received = [], None, b""
@@ -105,7 +117,7 @@ class MeshLab:
                         str(writing),
                         "-screen",
                         "0",
-                        "1280x900x24",
+                        "{}x{}x24".format(*self.screen),
                         "+extension",
                         "GLX",
                         "-nolisten",
@@ -195,7 +207,7 @@ class MeshLab:
 
     def widgets(self):
         """The visible widgets, from top to bottom: list of {class, text, tooltip, enabled, window,
-        ...}."""
+        place (x, y, width, height), ...}."""
         return self.ask("widgets")["widgets"]
 
     def menus(self):
@@ -252,6 +264,17 @@ class MeshLab:
         self.trigger(name)
         until(lambda: self._has_dialog(name), f"the dialog of {name}")
         self._filter = name
+
+    def button_off_screen(self, text="Apply"):
+        """How many pixels of a button of the filter's dialog lie off the screen; 0: all of it is
+        seen."""
+        x, y, width, height = next(
+            w["place"]
+            for w in self.widgets()
+            if w["text"] == text and w["window"] == self._filter and "Button" in w["class"]
+        )
+        wide, high = self.screen
+        return max(-x, -y, x + width - wide, y + height - high, 0)
 
     def _has_dialog(self, name):
         return any(

@@ -85,6 +85,8 @@ QJsonObject describe(const QWidget* widget) {
                 {"tooltip", plain(widget->toolTip())},
                 {"enabled", widget->isEnabled()},
                 {"window", titleAround(widget)}};
+  const QPoint corner = widget->mapToGlobal(QPoint(0, 0));
+  o["place"] = QJsonArray{corner.x(), corner.y(), widget->width(), widget->height()};
   if (const auto* button = qobject_cast<const QAbstractButton*>(widget))
     o["checked"] = button->isChecked();
   if (const auto* box = qobject_cast<const QComboBox*>(widget)) {

@@ -7,15 +7,16 @@ import shutil
 import documents
 import pymeshlab
 import pytest
-from gui import GuiError, until
+from gui import FILTERS_WITH_DIALOG, GuiError, until
 
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM = (
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM, MODEL = (
     "Spherical parameterise root",
     "Propagate parameterisation to layers",
     "Remesh by icosphere",
     "Evaluate spherical parameterisation",
     "Show parameterisation as sphere layers",
     "Beating ventricle phantom",
+    "Build statistical shape model",
 )
 
 
@@ -119,3 +120,52 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
         # The maps are known again, and landmark layers replaced.
         assert gui.apply(REMESH).count("1002 landmarks") == 2
         assert len(gui.layers()) == 4
+
+
+def test_dialogs_fit_a_small_screen(meshlab, surfaces):
+    """Apply is seen on a laptop's screen, in the dialog of every filter."""
+    with meshlab(*surfaces[:2], screen=(1280, 768)) as gui:
+        ready(gui, 2)
+        gui.fill_screen()
+        off = {}
+        for name in FILTERS_WITH_DIALOG:
+            gui.open_filter(name)
+            gui.picture(name.replace(" ", "-"))
+            off[name] = gui.button_off_screen()
+        assert off == dict.fromkeys(FILTERS_WITH_DIALOG, 0)
+
+
+def test_advanced_parameters_are_folded_away(meshlab, surfaces):
+    with meshlab(*surfaces[:2]) as gui:
+        ready(gui, 2)
+
+        def labels():
+            return {w["text"] for w in gui.widgets() if w["window"] == PROPAGATE}
+
+        gui.open_filter(PROPAGATE)
+        assert "Parents" in labels() and "Smoothing sweeps" not in labels()
+        gui.click("Help", window=PROPAGATE)
+        until(lambda: any(t.startswith("Which layer hands") for t in labels()), "the help")
+        assert not any(t.startswith("As published: sweeps") for t in labels())
+        gui.click("Help", window=PROPAGATE)
+        gui.click("Advanced parameters", window=PROPAGATE)
+        until(lambda: "Smoothing sweeps" in labels(), "the advanced parameters")
+        gui.set("Threads", "-1")
+        gui.start()
+        until(gui.message, "what the filter says of it")
+        assert "number of threads" in gui.message()
+        gui.close_message()
+        gui.click("Advanced parameters", window=PROPAGATE)
+        until(lambda: "Smoothing sweeps" not in labels(), "the advanced parameters to go")
+
+
+def test_a_path_that_is_typed_counts(meshlab, surfaces, tmp_path):
+    """MeshLab itself takes a file from its chooser only."""
+    file = tmp_path / "model.csv"
+    with meshlab(*surfaces[:2]) as gui:
+        ready(gui, 2)
+        for name in (ROOT, PROPAGATE, REMESH):
+            gui.apply(name)
+        assert "Export file: none" in gui.apply(MODEL)
+        assert f"written: {file}" in gui.apply(MODEL, Export_file=str(file))
+        assert file.read_text().count("\n") == 3
