@@ -42,7 +42,7 @@ from .model import ShapeModel
 from .nifti import write_nifti
 from .phantom import Ventricle
 from .preparation import PreparedSurface, prepare
-from .projects import write_layers
+from .projects import write_landmarks, write_layers
 from .sphere_map import SphereMap
 from .surface import Surface
 from .version import version as _version
@@ -78,6 +78,7 @@ __all__ = [
     "remesh",
     "shape_model",
     "warnings_of",
+    "write_landmarks",
     "write_layers",
     "write_nifti",
     "write_ply",

@@ -21,9 +21,7 @@ def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.nd
     The hue turns once with the longitude and fades towards the poles: light in the north, dark in
     the south.
     """
-    longitude, latitude = np.broadcast_arrays(
-        np.asarray(longitude, float), np.asarray(latitude, float)
-    )
+    longitude, latitude = np.asarray(longitude, float), np.asarray(latitude, float)
     hue = 0.66 + 0.32 * np.cos(2 * np.pi * (longitude[..., None] - np.array([0.02, 0.36, 0.66])))
     pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
     fading = np.abs(latitude)[..., None] ** 3

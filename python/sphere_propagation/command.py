@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from . import (
     conversion,
@@ -24,14 +24,19 @@ from . import (
     progress,
     readers,
     report,
+    units,
     version,
 )
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
 from .flags import by_flags
-from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters
+from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters, in_full
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
+ALIGNMENTS = {name.lower(): name for name in filters.ALIGNMENTS}
+MAPS = {name.lower(): name for name in INITIAL_MAPS}
+REPAIRS = {name.lower(): name for name in filters.HANDLE_REPAIRS}
+COORDINATES = {name.lower(): name for name in filters.COORDINATES}
 PHANTOM_DEFAULTS = filters.make_phantom.__kwdefaults__
 VOLUME_DEFAULTS = filters.read_label_volume.__kwdefaults__
 
@@ -39,7 +44,8 @@ VOLUME_DEFAULTS = filters.read_label_volume.__kwdefaults__
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns its exit code: 0 done, 1 something is wrong with the input, 2 with
     the arguments, 130 interrupted."""
-    options = parser().parse_args(_with_parents(sys.argv[1:] if arguments is None else arguments))
+    words = list(map(str, sys.argv[1:] if arguments is None else arguments))
+    options = parser().parse_args(_with_parents(words), argparse.Namespace(command=words))
     shown: List[progress.Lines] = []
 
     def make_progress(steps: int) -> progress.Lines:
@@ -128,6 +134,8 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
             f"  {data}/{data}.mlp, {data}/{data}_overview.mlp: open in MeshLab, to work on and to "
             "look at"
         )
+        if (folder / data / "landmarks.npz").exists():
+            print(f"  {data}/landmarks.npz, {data}/landmarks.csv: all landmarks in one file")
         if (folder / data / "model.npz").exists():
             print(
                 f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its "
@@ -177,33 +185,43 @@ def _info(options, make_progress) -> int:
 
 
 def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
-    order = "Given" if options.parents else ORDERS.get(options.order, defaults.order)
+    order = "Given" if options.parents else options.order or defaults.order
     parameters = CorrespondenceParameters(
         root=defaults.root if options.root is None else options.root,
-        method=METHODS[options.method],
+        method=options.method,
         order=order,
         parents=options.parents or "",
         frequency=options.frequency,
-        initial_map=options.initial_map.capitalize(),
+        initial_map=options.initial_map,
         area_weight=options.area_weight,
         area_restoration=options.area_restoration,
         mirror_layers=options.mirror_layers,
     )
     preparation = {"remove_handles": options.remove_handles} if options.prepare else None
-    return jobs.Choices(parameters, options.pictures, _volume_choices(options), preparation)
+    return jobs.Choices(
+        parameters,
+        options.pictures,
+        _volume_choices(options),
+        preparation,
+        options.unit,
+        options.mixed,
+        options.alignment,
+        options.export,
+        options.picture_format,
+        options.command,
+    )
 
 
 def _volume_choices(options) -> Dict[str, Any]:
     """What is said of label volumes; the rest is as read_label_volume has it."""
-    coordinates = options.coordinates and options.coordinates.upper()
     given = {
         "labels": options.labels,
         "voxel_size": options.voxel_size,
         "smoothing": options.smoothing,
-        "coordinates": coordinates,
+        "coordinates": options.coordinates,
         "skip_incomplete_phases": options.skip_incomplete_phases or None,
         "align_slices": options.align_slices or None,
-        "handle_repair": options.handle_repair and options.handle_repair.capitalize(),
+        "handle_repair": options.handle_repair,
         "longest_gap": options.longest_gap,
         "file_series": options.file_series or None,
     }
@@ -216,6 +234,13 @@ def parser() -> argparse.ArgumentParser:
         prog="sphere-propagation",
         description="Corresponding landmarks on closed surfaces by propagated "
         "spherical parameterisations.",
+        **_examples(
+            (
+                "sphere-propagation run phases/ -o results --order cyclic",
+                "then results/report.html",
+            ),
+            ("sphere-propagation run --help", "what else can be chosen"),
+        ),
     )
     command.add_argument(
         "--version", action="version", version=f"sphere-propagation {version.version()}"
@@ -228,6 +253,14 @@ def parser() -> argparse.ArgumentParser:
         "pictures and figures",
         description="Takes closed meshes in order of time, or a label volume, through the whole "
         "job.",
+        **_examples(
+            ("sphere-propagation run phases/ -o results --order cyclic", "a heart cycle"),
+            (
+                "sphere-propagation run skulls/ -o results --order similarity",
+                "shapes without order",
+            ),
+            ("sphere-propagation run labels_4d.nii.gz -o results --labels 1", "a segmentation"),
+        ),
     )
     run.add_argument(
         "meshes",
@@ -273,6 +306,17 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="with --prepare: also remove handles, by a new mesh",
     )
+    run.add_argument(
+        "--unit",
+        metavar="UNIT",
+        help="of the meshes' coordinates, for tables and pictures; nothing is converted (default: "
+        f"{units.DEFAULT_UNIT})",
+    )
+    run.add_argument(
+        "--mixed",
+        action="store_true",
+        help="take label volumes and meshes together as one collection",
+    )
     run.set_defaults(action=_run)
 
     demo = actions.add_parser(
@@ -280,6 +324,7 @@ def parser() -> argparse.ArgumentParser:
         help="the same for a beating phantom whose truth is known, by both methods",
         description="Makes a beating ventricle, cavity and wall, and takes it through the whole "
         "job by both methods.",
+        **_examples(("sphere-propagation demo results --phases 12", "a short cycle")),
     )
     demo.add_argument(
         "folder",
@@ -317,7 +362,14 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="of the phantom: another one makes another ventricle (default: %(default)s)",
     )
-    demo.set_defaults(action=_demo, file_series=False, prepare=False, remove_handles=False)
+    demo.set_defaults(
+        action=_demo,
+        file_series=False,
+        prepare=False,
+        remove_handles=False,
+        unit=None,
+        mixed=False,
+    )
 
     convert = actions.add_parser(
         "convert",
@@ -325,6 +377,7 @@ def parser() -> argparse.ArgumentParser:
         description="Writes meshes that MeshLab does not open (vtk, vtp, vtu, gii, FreeSurfer's "
         "lh.white and the like) as files that it does. Files in LPS are turned into RAS, which the "
         "new ones say (SPACE=RAS), so that 3D Slicer puts them in place.",
+        **_examples(("sphere-propagation convert lh.white heart.vtk --to plys", "two files")),
     )
     convert.add_argument("meshes", nargs="+", metavar="FILE", help="meshes, or folders of them")
     convert.add_argument(
@@ -344,9 +397,33 @@ def parser() -> argparse.ArgumentParser:
     convert.add_argument("--overwrite", action="store_true", help="replace files that are there")
     convert.set_defaults(action=_convert)
 
-    info = actions.add_parser("info", help="versions, the plugin's path, the filters")
+    info = actions.add_parser(
+        "info",
+        help="versions, the plugin's path, the filters",
+        description="Tells versions, where the plugin lies, what is installed, and the filters.",
+        **_examples(("sphere-propagation info", "for a report of a problem, say")),
+    )
     info.set_defaults(action=_info)
     return command
+
+
+def _examples(*lines: Tuple[str, str]) -> Dict[str, Any]:
+    """What a parser says of them after its options."""
+    width = max(len(line) for line, _ in lines)
+    text = "".join(f"\n  {line.ljust(width)}  # {words}" for line, words in lines)
+    return {
+        "epilog": f"example{'s' * (len(lines) > 1)}:{text}",
+        "formatter_class": _Help,
+    }
+
+
+class _Help(argparse.HelpFormatter):
+    """Leaves the lines of examples as they are."""
+
+    def _fill_text(self, text, width, indent):
+        if text.startswith("example"):
+            return text
+        return super()._fill_text(text, width, indent)
 
 
 def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str], float]:
@@ -365,9 +442,39 @@ def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str],
     return convert
 
 
-def _option(names: Dict[str, str], value: str) -> str:
-    """What the command line calls it."""
-    return next(option for option, name in names.items() if name == value)
+def _choice(parameter: str, names: Dict[str, str]) -> Dict[str, Any]:
+    """Of an option that takes one of `names`, and their full names too, in any case."""
+
+    def convert(text: str) -> str:
+        value = in_full(parameter, text)
+        if value not in names.values():
+            words = ", ".join(names)
+            raise argparse.ArgumentTypeError(f"{text!r} is none of {words}")
+        return value
+
+    return {"type": convert, "metavar": "{" + ",".join(map(_shell_word, names)) + "}"}
+
+
+def _shell_word(name: str) -> str:
+    return name.replace(" ", "-")
+
+
+def _several(choices: Sequence[str]) -> Callable[[str], List[str]]:
+    """What an option takes for some of these, between commas, or for "all"."""
+
+    def convert(text: str) -> List[str]:
+        words = [word.lower().lstrip(".") for word in re.split(r"[,;\s]+", text) if word]
+        if words == ["all"]:
+            return list(choices)
+        for word in words:
+            if word not in choices and word not in ALWAYS:
+                raise argparse.ArgumentTypeError(f"{word!r} is none of {', '.join(choices)}, all")
+        return [word for word in choices if word in words]
+
+    return convert
+
+
+ALWAYS = ("npz", "csv", "png")  # what is written without being asked for
 
 
 def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
@@ -380,13 +487,13 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--method",
-        choices=list(METHODS),
-        default=_option(METHODS, DEFAULTS.method),
-        help="how a map gets to the next mesh (default: %(default)s)",
+        **_choice("method", METHODS),
+        default=DEFAULTS.method,
+        help="how a map gets to the next mesh (default: robust)",
     )
     who = action.add_mutually_exclusive_group()
     who.add_argument(
-        "--order", choices=list(ORDERS), help=f"who hands the map to whom (default: {order})"
+        "--order", **_choice("order", ORDERS), help=f"who hands the map to whom (default: {order})"
     )
     who.add_argument(
         "--parents",
@@ -404,9 +511,9 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--initial-map",
-        choices=[name.lower() for name in INITIAL_MAPS],
-        default=DEFAULTS.initial_map.lower(),
-        help="where the root map starts (default: %(default)s)",
+        **_choice("initial_map", MAPS),
+        default=DEFAULTS.initial_map,
+        help="where the root map starts (default: automatic)",
     )
     add(
         "--area-weight",
@@ -442,7 +549,7 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--coordinates",
-        choices=[name.lower() for name in filters.COORDINATES],
+        **_choice("coordinates", COORDINATES),
         help=f"of a label volume's surfaces (default: {VOLUME_DEFAULTS['coordinates'].lower()})",
     )
     add(
@@ -458,8 +565,7 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--handle-repair",
-        type=str.lower,
-        choices=[name.lower() for name in filters.HANDLE_REPAIRS],
+        **_choice("handle_repair", REPAIRS),
         help="of a label volume: how handles are removed (default: "
         f"{VOLUME_DEFAULTS['handle_repair'].lower()})",
     )
@@ -469,5 +575,27 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         metavar="N",
         help="of a label volume: how many empty slices in a row are interpolated (default: "
         f"{VOLUME_DEFAULTS['longest_gap']})",
+    )
+    add(
+        "--alignment",
+        **_choice("alignment", ALIGNMENTS),
+        default=filters.ALIGNMENTS[0],
+        help="what is taken out of the shapes before their model is built: pose and size, pose, "
+        "nothing (default: similarity)",
+    )
+    add(
+        "--export",
+        type=_several(jobs.EXPORTS),
+        default=[],
+        metavar="LIST",
+        help="write the shape model for other programs as well: h5 and json (statismo, scalismo), "
+        "particles (ShapeWorks), ply, or all; npz and csv are always written",
+    )
+    add(
+        "--picture-format",
+        type=_several(jobs.FORMATS),
+        default=[],
+        metavar="LIST",
+        help="write the pictures as svg or pdf as well, or as both: svg,pdf",
     )
     add("--no-pictures", dest="pictures", action="store_false", help="leave the pictures out")

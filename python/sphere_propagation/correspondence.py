@@ -13,11 +13,10 @@ from .errors import FilterError, InputError, SpherePropagationWarning
 from .filters import MAX_LANDMARKS, Figures, parameterise_root, propagate, remesh
 from .parameters import (
     DEFAULTS,
-    INITIAL_MAPS,
-    METHODS,
-    ORDERS,
+    NAMED,
     CorrespondenceParameters,
     Parents,
+    in_full,
     parent_numbers,
     real_number,
     require_choice,
@@ -26,6 +25,7 @@ from .parameters import (
 from .progress import SILENT, Silent
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surfaces, largest
+from .units import DEFAULT_UNIT, unit_named
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,15 @@ class Correspondence:
     figures: Figures
     # Of all steps, as they were issued.
     warnings: List[SpherePropagationWarning] = field(default_factory=list)
+    unit: str = DEFAULT_UNIT  # of lengths: a word for texts
+
+    def __repr__(self) -> str:
+        return (
+            f"Correspondence({len(self.surfaces)} surfaces, {self.landmarks.shape[1]} landmarks, "
+            f"root {self.root}, {self.method}, {self.order}, "
+            f"{self.figures['flipped_faces'].sum():.0f} flipped faces, "
+            f"{len(self.warnings)} warning{'' if len(self.warnings) == 1 else 's'})"
+        )
 
 
 def correspond(
@@ -60,6 +69,7 @@ def correspond(
     parents: Parents = DEFAULTS.parents,
     root_map: Optional[MapLike] = None,
     mirror_layers: bool = DEFAULTS.mirror_layers,
+    unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
     """Corresponding landmarks on a sequence of closed surfaces, by parameterise_root, propagate and
@@ -70,6 +80,7 @@ def correspond(
     end-diastole of a heart cycle, and in the order Given the one whose parent is -1.
     root_map: a map of it that exists already.
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
+    unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
     Raises InputError for arguments out of range, before any work.
@@ -85,7 +96,7 @@ def correspond(
         area_restoration=area_restoration,
         mirror_layers=mirror_layers,
     )
-    return correspond_by(parameters, surfaces, root_map, progress)
+    return correspond_by(parameters, surfaces, root_map, progress, unit)
 
 
 def correspond_by(
@@ -93,10 +104,12 @@ def correspond_by(
     surfaces: Sequence[SurfaceLike],
     root_map: Optional[MapLike] = None,
     progress: Silent = SILENT,
+    unit: str = DEFAULT_UNIT,
 ) -> Correspondence:
     """As correspond."""
+    unit = unit_named(unit)
     with attention.collected() as said:
-        found = _correspond(parameters, surfaces, root_map, progress)
+        found = _correspond(parameters, surfaces, root_map, progress, unit)
     return replace(found, warnings=said)
 
 
@@ -105,6 +118,7 @@ def _correspond(
     surfaces: Sequence[SurfaceLike],
     root_map: Optional[MapLike],
     progress: Silent,
+    unit: str,
 ) -> Correspondence:
     surfaces = as_surfaces(surfaces)
     parameters = checked(parameters, len(surfaces))
@@ -148,7 +162,7 @@ def _correspond(
     figures.update(distances)
     progress.done(
         f"{name}: {landmarks.points.shape[1]} landmarks on each layer, "
-        f"{figures['surface_distance_mean'].mean():.2f} mm from the surfaces on average"
+        f"{figures['surface_distance_mean'].mean():.2g} {unit} from the surfaces on average"
     )
     return Correspondence(
         surfaces=surfaces,
@@ -160,6 +174,7 @@ def _correspond(
         landmarks=landmarks.points,
         landmark_faces=landmarks.faces,
         figures=figures,
+        unit=unit,
     )
 
 
@@ -168,12 +183,10 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
 
     Raises InputError for what the filters would refuse, but late.
     """
-    for name, choices in (
-        ("method", METHODS),
-        ("order", ORDERS),
-        ("initial_map", INITIAL_MAPS),
-    ):
-        require_choice(name, getattr(parameters, name), choices)
+    for name in ("method", "order", "initial_map"):
+        value = in_full(name, getattr(parameters, name))
+        require_choice(name, value, NAMED[name])
+        parameters = replace(parameters, **{name: value})
     for name in ("area_weight", "area_restoration"):
         value = real_number(name, getattr(parameters, name), finite=False)
         if not 0 <= value <= 1:

@@ -7,15 +7,17 @@ import os
 import re
 import tempfile
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import filters, layers, readers
-from .attention import warn
+from .attention import silenced, warn
 from .errors import FileError, InputError
 from .parameters import path_of
+from .results import LIST as RESULTS
 from .sphere_map import SphereMap
 from .surface import Surface, array_of
 from .turns import turn
@@ -28,7 +30,8 @@ VOLUME_SUFFIXES += (".mha", ".mhd")
 def mesh_files(*paths) -> List[Path]:
     """The mesh files that files and folders stand for, in order of time.
 
-    A folder stands for its meshes in natural order: phase_2 before phase_10. Files whose names
+    A folder stands for its meshes in natural order: phase_2 before phase_10; one that holds none
+    itself for those of the folders in it, and in these. Files whose names
     differ in their numbers alone come in the order of these numbers, whatever a shell's * makes of
     them; otherwise the order is kept.
     """
@@ -100,22 +103,98 @@ def _in_order(paths, *kinds: Tuple[str, ...], distinct: bool = True) -> List[Pat
             found.append(path)
         else:
             raise FileError(f"There is no file or folder {path}.")
-    stems: Dict[str, Path] = {}
-    for path in found if distinct else ():
-        if stem_of(path) in stems:
-            raise FileError(
-                f"{stems[stem_of(path)]} and {path} have the same name: layers could not be told "
-                "apart."
-            )
-        stems[stem_of(path)] = path
+    if distinct:
+        names_of(found)
     return found
 
 
+def names_of(paths: Sequence[Path]) -> List[str]:
+    """What surfaces of files are called: after the file; where several folders hold one name, after
+    the folder alone if that is the name in all of them, and after both else."""
+    stems = [stem_of(path) for path in paths]
+    homes = [path.absolute().parts[:-1] for path in paths]
+    at: Dict[Tuple[Tuple[str, ...], str], Path] = {}
+    for path, stem, home in zip(paths, stems, homes):
+        if (home, stem) in at:
+            raise FileError(
+                f"{at[home, stem]} and {path} have the same name: layers could not be told apart."
+            )
+        at[home, stem] = path
+    if len(set(stems)) == len(stems):
+        return stems
+    # As much of their folders' paths as tells these apart.
+    depth = next(
+        depth
+        for depth in range(1, max(map(len, homes)) + 1)
+        if len({(home[-depth:], stem) for home, stem in zip(homes, stems)}) == len(stems)
+    )
+    shared = {stem for stem in stems if stems.count(stem) > 1}
+    one = len(set(stems)) == 1
+    return [
+        stem
+        if stem not in shared
+        else "_".join((*_without_common(homes, home, depth), *([] if one else [stem])))
+        for stem, home in zip(stems, homes)
+    ]
+
+
+def _without_common(
+    homes: Sequence[Tuple[str, ...]], home: Tuple[str, ...], depth: int
+) -> Tuple[str, ...]:
+    """The last parts of a folder's path, but for those at its end that all share."""
+    end = depth
+    while end > 1 and len({other[-1 - (depth - end)] for other in homes}) == 1:
+        end -= 1
+    return home[-depth:][:end]
+
+
 def _in_folder(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
-    """The files of the first kind that it has."""
+    """The files of the first kind that it has; where it has none, those of the folders in it."""
+    taken = _directly_in(folder, kinds)
+    below = [path for path in sorted(folder.iterdir(), key=_by_name) if _is_read_into(path)]
+    if not taken:
+        found = [path for path in below if _holds(path, kinds)]
+        if found:
+            return [path for home in found for path in _in_folder(home, kinds)]
+        volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
+        raise FileError(
+            f"The folder {folder} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
+        )
+    left = [path.name for path in below if _holds(path, kinds)]
+    if left:
+        warn(
+            f"The folder {folder} holds files to read and folders of such files: the files are "
+            f"taken, and not what is in {', '.join(left[:3])}{', …' if len(left) > 3 else ''}; "
+            "give these folders by name."
+        )
+    return taken
+
+
+def _is_read_into(path: Path) -> bool:
+    """No folder of results, and none that systems hide."""
+    return (
+        path.is_dir()
+        and not path.name.startswith((".", "__"))
+        and not (path / RESULTS).is_file()
+        and path.resolve() not in path.absolute().parents  # a circle
+    )
+
+
+def _holds(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> bool:
+    with silenced():
+        return bool(_directly_in(folder, kinds)) or any(
+            _holds(path, kinds) for path in folder.iterdir() if _is_read_into(path)
+        )
+
+
+def _by_name(path: Path):
+    return _natural(path.name)
+
+
+def _directly_in(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
     files = sorted(
         _inputs([p for p in folder.iterdir() if p.is_file() and not p.name.startswith("._")]),
-        key=lambda path: _natural(path.name),
+        key=_by_name,
     )
     inside = [
         [
@@ -127,10 +206,7 @@ def _in_folder(folder: Path, kinds: Sequence[Tuple[str, ...]]) -> List[Path]:
         for suffixes in kinds
     ]
     if not any(inside):
-        volumes = " and no label volume" if VOLUME_SUFFIXES in kinds else ""
-        raise FileError(
-            f"The folder {folder} holds no mesh{volumes} ({', '.join(sum(kinds, ()))})."
-        )
+        return []
     unnamed = [path.name for path in files if path not in inside[0] and readers.is_freesurfer(path)]
     if unnamed:
         warn(
@@ -184,7 +260,8 @@ def surface_in(path) -> Tuple[Surface, Dict[str, np.ndarray]]:
 
 def read_meshes(*paths) -> List[Surface]:
     """The meshes of files and folders, in order of time; see mesh_files."""
-    surfaces = [read_mesh(path) for path in mesh_files(*paths)]
+    files = mesh_files(*paths)
+    surfaces = [replace(read_mesh(path), name=name) for path, name in zip(files, names_of(files))]
     warn_of_frames(surfaces)
     return surfaces
 

@@ -16,9 +16,9 @@ import numpy as np
 from . import adapters, layers, plugin
 from .errors import FilterError, InputError
 from .model import ShapeModel
-from .parameters import DEFAULTS, Parents, listed, whole_number, whole_numbers
+from .parameters import DEFAULTS, NAMED, Parents, in_full, listed, whole_number, whole_numbers
 from .sphere_map import MapLike, SphereMap, as_map
-from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces
+from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces, counted
 
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
@@ -29,11 +29,11 @@ COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PHANTOM = "create_ventricle_phantom"
 IMPORT = plugin.VOLUME_FILTER
 
-PATTERNS = ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio")
-ALIGNMENTS = ("Similarity", "Rigid", "None")
-PARTS = ("Cavity", "Wall")
-COORDINATES = ("RAS", "LPS")
-HANDLE_REPAIRS = ("Whichever changes less", "Cut", "Fill")
+PATTERNS = NAMED["pattern"]
+ALIGNMENTS = NAMED["alignment"]
+PARTS = NAMED["part"]
+COORDINATES = NAMED["coordinates"]
+HANDLE_REPAIRS = NAMED["handle_repair"]
 
 # Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
 # no only after the maps were made. A test asks it.
@@ -57,6 +57,10 @@ class LabelSurfaces:
 
     surfaces: List[Surface]
     figures: Figures
+
+    def __repr__(self) -> str:
+        vertices = sum(len(surface.vertices) for surface in self.surfaces)
+        return f"LabelSurfaces({counted(self.surfaces, 'surface')}, {vertices} vertices)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +87,13 @@ class Propagation:
     branch_angle: Optional[float] = None
     surfaces: Optional[List[Surface]] = None
 
+    def __repr__(self) -> str:
+        return (
+            f"Propagation({counted(self.maps, 'map')}, "
+            f"{np.sum(self.figures['flipped_faces']):.0f} flipped faces, residual "
+            f"{np.mean(self.figures['residual_mean']):.3g} on average)"
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
@@ -97,6 +108,10 @@ class Landmarks:
     points: np.ndarray
     faces: np.ndarray
     figures: Figures
+
+    def __repr__(self) -> str:
+        shapes, landmarks = self.points.shape[:2]
+        return f"Landmarks({shapes} x {landmarks} points, {len(self.faces)} faces)"
 
 
 def read_label_volume(
@@ -160,7 +175,10 @@ def read_label_volume(
         longest_gap=longest_gap,
     )
     del figures["layers"]
-    surfaces = [replace(layers.surface_of(mesh), space=coordinates) for mesh in meshes]
+    surfaces = [
+        replace(layers.surface_of(mesh), space=in_full("coordinates", coordinates))
+        for mesh in meshes
+    ]
     return LabelSurfaces(surfaces, figures)
 
 

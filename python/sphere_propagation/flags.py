@@ -19,6 +19,18 @@ PARAMETERS = (
     "skip_incomplete_phases",
     "voxel_size",
 )
+# The same of one word, where a message begins with it.
+WORDS = (
+    "alignment",
+    "frequency",
+    "method",
+    "order",
+    "parents",
+    "phases",
+    "seed",
+    "smoothing",
+    "unit",
+)
 CALLS = {
     "sp.prepare(surface, remove_handles=True)": "run --prepare --remove-handles",
     "sp.prepare(surface)": "run --prepare",
@@ -28,10 +40,23 @@ _parameter = re.compile(
     r"(?<![\w/\\.-])(" + "|".join(PARAMETERS) + r')(?![\w/\\-]|\.\w)(?: \("[A-Z][^"]*"\))?'
 )
 
+_word = re.compile(rf"^(?:The )?({'|'.join(WORDS)})(?= must\b|: )")
+
+
+def option(name: str) -> str:
+    """What the command calls a parameter."""
+    return "--" + name.replace("_", "-")
+
 
 def by_flags(text: str) -> str:
     """With --mirror-layers in place of mirror_layers ("Mirror layers"), and the command's way to
     prepare a mesh in place of Python's."""
     for call, flags in CALLS.items():
         text = text.replace(call, flags)
-    return _parameter.sub(lambda found: "--" + found[1].replace("_", "-"), text)
+    text = _word.sub(r"--\1", text)
+    text = re.sub(r"^(Layer -?\d+ cannot be the root): parents say", r"\1: --parents say", text)
+    text = re.sub(r"^(Layer -?\d+ cannot be the root):", r"\1 (--root):", text)
+    text = re.sub(
+        r"^(?:The )?voxel size in mm must", "--voxel-size, the voxel size in mm must", text
+    )
+    return _parameter.sub(lambda found: option(found[1]), text)

@@ -12,6 +12,7 @@ import numpy as np
 from . import model_pictures, page, pictures, report
 from .model import ShapeModel
 from .progress import Lines
+from .provenance import Provenance
 from .results import ResultFolder
 from .views import Row
 
@@ -47,7 +48,7 @@ class Drawing(NamedTuple):
     name: str  # of its file; {prefix} is the section's
     what: str
     needs: Optional[str]
-    draw: Callable[[Section, Path], object]
+    draw: Callable[[Section, Sequence[Path]], object]
     caption: Callable[[Section], str]
     narrow: Callable[[Section], bool] = lambda section: False
 
@@ -59,22 +60,27 @@ def show(
     sections: Sequence[Section],
     draw: bool,
     steps: Lines,
+    formats: Sequence[str],
+    made_by: Provenance,
 ) -> None:
-    """Draws everything, where that is wished and possible, and writes the page."""
+    """Draws everything, where that is wished and possible, and writes the page. formats: of
+    pictures, beside png."""
     chapters = []
     for section in sections:
         made = []
         for drawing in _drawings(section.kinds) if draw else ():
             name = drawing.name.format(prefix=section.prefix)
             steps.begin(f"{name}: {drawing.what}")
-            path = results.write(name, partial(drawing.draw, section))
+            names = [name, *(f"{name[:-4]}.{ending}" for ending in formats)]
+            path = results.write_all(names, partial(drawing.draw, section))[0]
             made.append(page.Picture(path, drawing.caption(section), drawing.narrow(section)))
             steps.done(f"{name}: {drawing.what}")
         tables = [page.summary_table(section.runs), *page.warning_tables(section.runs)]
         if MODEL in section.kinds:
-            tables.append(page.model_table(section.model))
+            tables.append(page.model_table(section.model, _unit(section)))
         tables += [page.layer_table(run) for run in section.runs]
         chapters.append(page.Chapter(section.title, section.text, made, tables))
+    chapters.append(page.provenance_chapter(made_by))
     results.write(PAGE, lambda path: page.write_page(path, title, text, chapters))
 
 
@@ -88,7 +94,7 @@ def _drawings(kinds: Set[str]) -> List[Drawing]:
 
 
 def _unit(section: Section) -> str:
-    return section.rows[0].unit or "units"
+    return section.rows[0].result.unit
 
 
 def _modes_caption(section: Section) -> str:
@@ -103,29 +109,58 @@ def _modes_caption(section: Section) -> str:
 
 def _volume_caption(section: Section) -> str:
     if section.true_volumes is None:
-        return "What the surfaces enclose."
+        return f"What each {section.rows[0].noun}'s surface encloses."
     return (
         "What the surfaces enclose. The dashed line is what is known of the phantom: the "
         "difference comes from the slices."
     )
 
 
+def _landmarks_caption(section: Section) -> str:
+    row = section.rows[0]
+    return (
+        f"{row.result.landmarks.shape[1]} landmarks on some {row.noun}s. Landmark j has one colour "
+        "on all of them: it is the same place."
+    )
+
+
+def _map_caption(section: Section) -> str:
+    return (
+        "The surface that got the first map, the root, beside the sphere: every field takes the "
+        "same share of both. Flips are faces that lie upside down on the sphere, of which a valid "
+        "map has none; the area ratio of a face is its share of the sphere over its share of the "
+        "surface, and the standard deviation of that (root sd in the table) is 0 where areas are "
+        "preserved."
+    )
+
+
+def _scores_caption(section: Section) -> str:
+    row = section.rows[0]
+    if not row.timed:
+        return (
+            "Where each shape lies along the first modes, in standard deviations; and in the plane "
+            "of the first two, in which shapes that are alike lie together."
+        )
+    back = " and the first follows the last" if row.result.order == "Cyclic time" else ""
+    return (
+        "Where each phase lies along the first modes; and the way that the phases take through the "
+        f"plane of the first two: the colour is the phase{back}."
+    )
+
+
 DRAWINGS = (  # in their order on the page
     Drawing(
         "{prefix}landmarks.png",
-        "landmarks over the cycle",
+        "landmarks on the surfaces",
         None,
-        lambda section, path: pictures.landmarks_over_cycle(section.rows, path),
-        lambda section: (
-            f"{section.rows[0].result.landmarks.shape[1]} landmarks on some phases. Landmark j has "
-            "one colour on all of them: it is the same place."
-        ),
+        lambda section, paths: pictures.landmarks_on_surfaces(section.rows, paths),
+        _landmarks_caption,
     ),
     Drawing(
         "{prefix}checkerboard.png",
-        "the maps over the cycle",
+        "the maps on the surfaces",
         None,
-        lambda section, path: pictures.maps_over_cycle(section.rows, path),
+        lambda section, paths: pictures.maps_on_surfaces(section.rows, paths),
         lambda section: (
             "One checkerboard of the sphere, drawn on the surfaces through their maps. A field "
             "that keeps its place on the organ shows that the maps correspond."
@@ -135,18 +170,15 @@ DRAWINGS = (  # in their order on the page
         "{prefix}map.png",
         "the root and its sphere",
         None,
-        lambda section, path: pictures.root_and_sphere(section.rows, path),
-        lambda section: (
-            "The surface that got the first map, beside the sphere: every field takes the same "
-            "share of both."
-        ),
+        lambda section, paths: pictures.root_and_sphere(section.rows, paths),
+        _map_caption,
         narrow=lambda section: len(section.rows) == 1,
     ),
     Drawing(
         "error.png",
         "error over the cycle",
         ERRORS,
-        lambda section, path: pictures.errors_over_phase(section.rows, section.errors, path),
+        lambda section, paths: pictures.errors_over_phase(section.rows, section.errors, paths),
         lambda section: (
             "How far the landmarks lie from the material points that they began on, phase by "
             "phase: both methods."
@@ -156,8 +188,8 @@ DRAWINGS = (  # in their order on the page
         "{prefix}modes.png",
         "mean shape and modes",
         MODEL,
-        lambda section, path: model_pictures.modes(
-            section.model, path, unit=_unit(section), up=section.rows[0].up
+        lambda section, paths: model_pictures.modes(
+            section.model, paths, unit=_unit(section), up=section.rows[0].up
         ),
         _modes_caption,
     ),
@@ -165,7 +197,7 @@ DRAWINGS = (  # in their order on the page
         "{prefix}model.png",
         "how good the model is",
         MODEL,
-        lambda section, path: model_pictures.measures(section.model, path, unit=_unit(section)),
+        lambda section, paths: model_pictures.measures(section.model, paths, unit=_unit(section)),
         lambda section: (
             "By number of modes: the share of the variance that they hold; how far a shape that "
             "the model has not seen lies from its best approximation; how far random shapes of "
@@ -174,21 +206,16 @@ DRAWINGS = (  # in their order on the page
     ),
     Drawing(
         "{prefix}scores.png",
-        "scores over the phases",
+        "scores of the model",
         MODEL,
-        lambda section, path: model_pictures.scores(
-            section.model,
-            path,
-            closed=section.rows[0].result.order == "Cyclic time",
-            phases=section.rows[0].numbers(),
-        ),
-        lambda section: "Where each phase lies along the first modes.",
+        lambda section, paths: model_pictures.scores(section.rows[0], section.model, paths),
+        _scores_caption,
     ),
     Drawing(
         "{prefix}volume.png",
-        "volume over the phases",
+        "volumes",
         MODEL,
-        lambda section, path: model_pictures.volumes(section.rows[0], path, section.true_volumes),
+        lambda section, paths: model_pictures.volumes(section.rows[0], paths, section.true_volumes),
         _volume_caption,
         narrow=lambda section: True,
     ),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Set
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
@@ -14,15 +14,18 @@ from . import attention, files, filters, gallery, pictures, plugin, projects, re
 from .attention import warn
 from .correspondence import Correspondence, checked, correspond_by
 from .errors import FilterError, InputError, SpherePropagationWarning
+from .flags import option
 from .gallery import Section
 from .model import ShapeModel
 from .nifti import write_nifti
 from .parameters import DEFAULTS, METHODS, CorrespondenceParameters
 from .phantom import SCAN_SPACING, Ventricle
-from .preparation import prepare
+from .preparation import STEPS, prepare
 from .progress import Lines
+from .provenance import Provenance, provenance
 from .results import ResultFolder
-from .surface import Surface
+from .surface import Surface, distinct_names
+from .units import DEFAULT_UNIT
 from .views import Row
 
 SECONDS_PER_PHASE = 0.04  # in the phantom's scan; nothing depends on it
@@ -34,19 +37,11 @@ MESH_STEPS = ("meshes", "root map", *METHOD_STEPS, *RESULT_STEPS)
 SCAN_STEPS = ("labels", "surfaces", "root map", *METHOD_STEPS, *RESULT_STEPS)
 PART_STEPS = ("phantom", "root map", *METHOD_STEPS * len(METHODS), "truth", *RESULT_STEPS)
 
+EXPORTS = ("h5", "json", "particles", "ply")  # of the shape model; npz and csv are always there
+FORMATS = ("svg", "pdf")  # of pictures; png is always there
+
 # Notes of the import that matter where label volumes are read one by one.
 FILE_BY_FILE = ("handlesElsewhere",)
-# What prepare() counts, by its names.
-PREPARATIONS = (
-    "weld",
-    "remove_duplicate_faces",
-    "remove_fins",
-    "keep_largest_component",
-    "close_openings",
-    "lid",
-    "orient",
-    "remove_handles",
-)
 
 
 @dataclass(frozen=True)
@@ -59,6 +54,12 @@ class Choices:
     volume: Mapping[str, Any] = field(default_factory=dict)
     # Of prepare, what is given; None: meshes are taken as they come.
     preparation: Optional[Mapping[str, Any]] = None
+    unit: Optional[str] = None  # of meshes; default: DEFAULT_UNIT
+    mixed: bool = False  # whether label volumes and meshes may come together
+    alignment: str = filters.ALIGNMENTS[0]  # of the shape model
+    exports: Sequence[str] = ()  # of EXPORTS, beside model.npz
+    formats: Sequence[str] = ()  # of FORMATS, beside png
+    command: Sequence[str] = ()  # its words, for the report
 
 
 def run_meshes(
@@ -78,13 +79,15 @@ def run_meshes(
     paths = files.input_files(*meshes)
     if choices.volume and not any(map(files.is_label_volume, paths)):
         raise InputError(
-            f"There is no label volume among the files, to which {', '.join(choices.volume)} "
-            "could apply."
+            "There is no label volume among the files, to which "
+            f"{', '.join(map(option, choices.volume))} could apply."
         )
     if len(paths) > 1 and choices.volume.get("file_series"):
         raise InputError("file_series reads the files beside one: give one file, not several.")
     if choices.preparation is not None and all(map(files.is_label_volume, paths)):
         raise InputError("There is no mesh among the files, which could be prepared.")
+    _require_one_kind(paths, choices)
+    ResultFolder(folder).require_folder()
     home = Path(folder).resolve()
     for path in paths:
         if home in path.resolve().parents:
@@ -98,6 +101,24 @@ def run_meshes(
         return _run_files(paths, folder, name, choices, steps, said)
 
 
+def _require_one_kind(paths: Sequence[Path], choices: Choices) -> None:
+    volumes = [path for path in paths if files.is_label_volume(path)]
+    meshes = [path for path in paths if not files.is_label_volume(path)]
+    if volumes and meshes and not choices.mixed:
+        raise InputError(
+            f"There are label volumes ({_some(volumes)}) and meshes ({_some(meshes)}) among the "
+            "files: leave one kind out, or say with --mixed that all are one collection."
+        )
+    if volumes and choices.unit not in (None, DEFAULT_UNIT):
+        raise InputError(
+            f"Surfaces of label volumes are in {DEFAULT_UNIT}: --unit {choices.unit} is for meshes."
+        )
+
+
+def _some(paths: Sequence[Path]) -> str:
+    return paths[0].name + (f" and {len(paths) - 1} others" if len(paths) > 1 else "")
+
+
 def _run_files(
     paths: Sequence[Path],
     folder,
@@ -108,15 +129,23 @@ def _run_files(
 ) -> List[report.Run]:
     """said: what was warned of since the run began, which grows."""
     surfaces, phases = [], None
-    for path in paths:
+    began = provenance(choices.command, {}, paths)
+    for path, called in zip(paths, files.names_of(paths)):
         steps.begin(f"reading {path.name}")
         if files.is_label_volume(path):
             volume = filters.read_label_volume(path, **choices.volume)
-            surfaces += volume.surfaces
+            stem = files.stem_of(path)
+            surfaces += [
+                replace(surface, name=called + surface.name[len(stem) :])
+                if called != stem and surface.name.startswith(stem)
+                else surface
+                for surface in volume.surfaces
+            ]
             # Some may have been skipped.
             phases = volume.figures["phase"] if len(paths) == 1 else None
         else:
-            surfaces.append(_prepared(files.read_mesh(path), choices.preparation))
+            mesh = replace(files.read_mesh(path), name=called)
+            surfaces.append(_prepared(mesh, choices.preparation))
     files.warn_of_frames(surfaces)
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
         raise InputError(
@@ -135,18 +164,46 @@ def _run_files(
     )
     results = ResultFolder(folder)
     results.create()  # before the work, not after
-    result = correspond_by(choices.parameters, surfaces, progress=steps)
+    unit = choices.unit or DEFAULT_UNIT
+    result = correspond_by(choices.parameters, surfaces, progress=steps, unit=unit)
     labels = all(map(files.is_label_volume, paths))
-    row = Row(name, result, unit="mm" if labels else None, phases=phases)
+    row = Row(name, result, phases=phases)
     _write_layers(results, name, row, steps)
-    model = _build_model(results, name, result, steps)
+    model = _build_model(results, name, result, choices, steps)
     runs = [report.Run(name, result, warnings=list(said))]
     text = (
         f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of "
         f"them. Method {result.method}, order {result.order}, root {surfaces[result.root].name}."
     )
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
-    return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps)
+    made = began.saying(facts_of(result, choices))
+    return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps, made)
+
+
+def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:
+    """What a result depends on, beside its inputs."""
+    parameters, root = choices.parameters, result.surfaces[result.root]
+    facts = {
+        "root": f"{root.name} (--root {result.root})",
+        "method": result.method,
+        "order": result.order,
+        "parents": " ".join(f"{parent:.0f}" for parent in result.figures["parent"])
+        if result.order == "Given"
+        else "",
+        "alignment": choices.alignment,
+        "frequency": f"{parameters.frequency} ({result.landmarks.shape[1]} landmarks)",
+        "initial map": parameters.initial_map,
+        "area weight": f"{parameters.area_weight:g}",
+        "area restoration": f"{parameters.area_restoration:g}",
+        "mirror layers": "yes" if parameters.mirror_layers else "no",
+        "unit": result.unit,
+    }
+    facts.update({name.replace("_", " "): value for name, value in choices.volume.items()})
+    if choices.preparation is not None:
+        facts["prepared"] = "yes" + "".join(
+            f", {name.replace('_', ' ')}" for name, value in choices.preparation.items() if value
+        )
+    return facts
 
 
 def _prepared(surface: Surface, how: Optional[Mapping[str, Any]]) -> Surface:
@@ -154,7 +211,7 @@ def _prepared(surface: Surface, how: Optional[Mapping[str, Any]]) -> Surface:
     if how is None:
         return surface
     made, figures = prepare(surface, **how)
-    done = [f"{name} {figures[name]:g}" for name in PREPARATIONS if figures.get(name)]
+    done = [f"{name} {figures[name]:g}" for name in STEPS if figures.get(name)]
     if made is not surface:
         warn(
             SpherePropagationWarning(
@@ -178,6 +235,9 @@ def run_phantom(
     """The phantom from a scan of it to a shape model; and both its parts, by both methods, against
     the truth."""
     parameters = checked(choices.parameters, phases)
+    choices = replace(choices, parameters=parameters)
+    began = provenance(choices.command, {}, [])
+    ResultFolder(folder).require_folder()
     without = plugin.volume_failure()
     scanned = int(not without)
     kinds = [{gallery.MODEL}] * scanned + [{gallery.ERRORS}]
@@ -208,7 +268,7 @@ def run_phantom(
                 Ventricle("Cavity", phases, seed),
                 fine["Cavity"],
                 parameters,
-                choices.volume,
+                choices,
                 steps,
             )
         )
@@ -233,10 +293,10 @@ def run_phantom(
             f"{name}: worst error "
             + ", ".join(f"{method.lower()} {e.max():.2f} mm" for method, e in errors[-1].items())
         )
-        rows.append(Row(part, found["Robust"], unit="mm", up=(0, 0, 1)))
+        rows.append(Row(part, found["Robust"], up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
         with attention.collected() as of_model:
-            _build_model(results, name, found["Robust"], steps)
+            _build_model(results, name, found["Robust"], choices, steps)
         for method, result in found.items():
             said = [*result.warnings, *(of_model if method == "Robust" else ())]
             runs.append(report.Run(name, result, errors[-1][method], said))
@@ -265,6 +325,13 @@ def run_phantom(
         sections,
         choices,
         steps,
+        began.saying(
+            {
+                "phantom": f"seed {seed}, {phases} phases, voxels of {voxel_size:g} mm",
+                **facts_of(found["Robust"], choices),
+                "method": " and ".join(METHODS),
+            }
+        ),
     )
 
 
@@ -273,11 +340,11 @@ def _scan_section(
     phantom: Ventricle,
     fine: Sequence[Surface],
     parameters: CorrespondenceParameters,
-    volume: Mapping[str, Any],
+    choices: Choices,
     steps: Lines,
 ) -> Section:
     """The way of a clinic's data: labels in thick slices, surfaces, landmarks, shape model."""
-    name = "scan"
+    name, volume = "scan", choices.volume
     with attention.collected() as said:
         steps.begin(f"{name}: labelling slices")
         labels, affine = phantom.scan()
@@ -298,11 +365,9 @@ def _scan_section(
         result = correspond_by(
             replace(parameters, method=DEFAULTS.method), surfaces, progress=_Named(steps, name)
         )
-        row = Row(
-            f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, unit="mm", up=(0, 0, 1)
-        )
+        row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, up=(0, 0, 1))
         _write_layers(results, name, row, steps)
-        model = _build_model(results, name, result, steps)
+        model = _build_model(results, name, result, choices, steps)
         whole = str(volume.get("labels", "1")) == "1"
         return Section(
             [row],
@@ -342,25 +407,48 @@ def _write_layers(results: ResultFolder, name: str, row: Row, steps: Lines) -> N
 
 
 def _build_model(
-    results: ResultFolder, name: str, result: Correspondence, steps: Lines
+    results: ResultFolder, name: str, result: Correspondence, choices: Choices, steps: Lines
 ) -> ShapeModel:
-    """The shape model of all phases, as a file for NumPy and two tables."""
+    """The landmarks and their shape model, as files for NumPy, as tables, and as what else was
+    asked for."""
     steps.begin(f"{name}: shape model")
-    names = [surface.name for surface in result.surfaces]
+    for ending in ("npz", "csv"):
+        results.write(
+            f"{name}/landmarks.{ending}", lambda path: projects.write_landmarks(path, result)
+        )
+    names = distinct_names(result.surfaces)
     made: List[ShapeModel] = []
-    results.write(
-        f"{name}/model.npz",
-        lambda path: made.append(
+
+    def build(path: Path, **more) -> None:
+        made.append(
             filters.shape_model(
-                result.landmarks, result.landmark_faces, names, export_file=str(path)
+                result.landmarks,
+                result.landmark_faces,
+                names,
+                alignment=choices.alignment,
+                export_file=str(path),
+                **more,
             )
-        ),
-    )
+        )
+
+    results.write(f"{name}/model.npz", build)
+    for ending in choices.exports:
+        with attention.silenced():  # it was said before; how good the model is, measured
+            results.write_all(
+                [f"{name}/model.{ending}"],
+                lambda paths: build(paths[0], specificity_samples=1),
+                _beside_particles,
+            )
     model = made[0]
     results.write(f"{name}/scores.csv", lambda path: report.write_scores(path, model))
     results.write(f"{name}/model.csv", lambda path: report.write_measures(path, model))
     steps.done(f"{name}: shape model: {report.model_summary(model)}")
     return model
+
+
+def _beside_particles(path: Path) -> List[Path]:
+    """ShapeWorks' files of the single shapes."""
+    return sorted(path.parent.glob(f"{path.stem}_[0-9]*.particles")) if path.suffix else []
 
 
 def _finish(
@@ -370,6 +458,7 @@ def _finish(
     sections: Sequence[Section],
     choices: Choices,
     steps: Lines,
+    made: Provenance,
 ) -> List[report.Run]:
     """The table of figures, then the page and its pictures, which can fail for reasons of their
     own."""
@@ -379,7 +468,9 @@ def _finish(
     missing = pictures.what_is_missing() if choices.pictures else ""
     if missing:
         steps.note(f"no pictures: {missing}")
-    gallery.show(results, title, text, sections, choices.pictures and not missing, steps)
+    results.write("run.json", lambda path: path.write_text(made.as_json() + "\n", encoding="utf-8"))
+    draw = choices.pictures and not missing
+    gallery.show(results, title, text, sections, draw, steps, choices.formats, made)
     for path in results.kept:
         steps.note(
             f"kept, because it was changed since it was written or is somebody else's: {path}"

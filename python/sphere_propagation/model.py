@@ -53,6 +53,14 @@ class ShapeModel:
         modes."""
         return self.figures["specificity"]
 
+    def __repr__(self) -> str:
+        share = self.figures.get("variance_share", ())
+        first = f", the first with {100 * share[0]:.1f} % of the variance" if len(share) else ""
+        return (
+            f"ShapeModel({len(self.scores)} shapes, {len(self.mean)} landmarks, "
+            f"{len(self.modes)} modes{first})"
+        )
+
     def shape(self, scores) -> np.ndarray:
         """The shape, (landmarks, 3), with these scores along the first modes."""
         scores = np.atleast_1d(array_of("scores", scores))

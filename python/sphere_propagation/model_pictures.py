@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Pictures of shape models as PNG files: modes (figure 3 of the paper), how good the model is,
-scores and volumes over the phases."""
+"""Pictures of shape models: modes (figure 3 of the paper), how good the model is,
+scores and volumes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Optional, Sequence
 import numpy as np
 
 from .model import ShapeModel
-from .pictures import GREY, INK, PUBLISHED, ROBUST, Scene, matplotlib_pyplot, quiet_axes
+from .pictures import GREY, INK, PUBLISHED, ROBUST, Scene, matplotlib_pyplot, quiet_axes, save
+from .units import volume_unit
 from .views import Row, upright
 
 # ColorBrewer's RdBu from blue to red, as vcg_ext/display/displacement_colors.h has it.
@@ -79,11 +80,13 @@ def modes(
     seen = np.concatenate([model.mean, *shapes.values()]) @ rotation.T
     center, extent = (seen.min(0) + seen.max(0)) / 2, 0.53 * (seen.max(0) - seen.min(0))[:2]
     scale = 380 / extent.max() / 2 * 1.5
-
-    def image(key):
-        scene = Scene(rotation, center, extent, scale)
-        scene.surface(shapes[key], model.faces, displacement_colors(moved[key], reach))
-        return scene.image()
+    size = [max(2, round(2 * length * scale)) for length in extent]
+    scene = Scene(size[0] * len(shapes), size[1])
+    places = {key: (k * size[0], 0, *size) for k, key in enumerate(shapes)}
+    for key, shape in shapes.items():
+        panel = scene.panel(places[key], rotation, center, scale)
+        panel.surface(shape, model.faces, displacement_colors(moved[key], reach))
+    images = dict(zip(places, scene.parts(list(places.values()))))
 
     plt = matplotlib_pyplot()
     cells = 3 * max(shown, 1)
@@ -91,7 +94,7 @@ def modes(
     width = 1.5 * cells + 0.5
     picture = (width - 0.5) / cells * ratio
     top, bottom = 1.0, 1.2
-    figure = plt.figure(figsize=(width, picture + top + bottom), dpi=170, facecolor="white")
+    figure = plt.figure(figsize=(width, picture + top + bottom), dpi=150, facecolor="white")
     height = picture + top + bottom
     figure.text(
         0.25 / width,
@@ -124,7 +127,7 @@ def modes(
                     picture / height,
                 ]
             )
-            axis.imshow(image((m, sign)))
+            axis.imshow(images[m, sign])
             axis.axis("off")
             words = "mean" if sign == 0 else f"{MINUS if sign < 0 else '+'}{deviations:g} sd"
             figure.text(
@@ -152,15 +155,14 @@ def modes(
     bar.tick_params(length=0)
     for spine in bar.spines.values():
         spine.set_visible(False)
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
 
 
 def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     """Compactness, generalisation and specificity by number of modes, with their standard
     errors."""
     plt = matplotlib_pyplot()
-    figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=170)
+    figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=150)
     count = np.arange(1, len(model.modes) + 1)
     panels = (
         (
@@ -189,60 +191,45 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
         if error is not None:
             axis.fill_between(count, values - error, values + error, color=color, alpha=0.18, lw=0)
         axis.plot(count, values, color=color, lw=2.2, marker="o", ms=4)
-        axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold")
-        axis.set_xlabel("modes", fontsize=11, color=GREY)
-        axis.set_ylabel(label, fontsize=11, color=GREY)
+        _titles(axis, title, "modes", label)
         axis.set_xlim(0.5, len(count) + 0.5)
         axis.set_ylim(0, 105 if error is None else 1.15 * (values + error).max())
         axis.xaxis.get_major_locator().set_params(integer=True)
         quiet_axes(axis)
     figure.tight_layout(w_pad=2.5)
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
 
 
-def scores(
-    model: ShapeModel,
-    path,
-    *,
-    closed: bool = False,
-    shown: int = 3,
-    phases: Optional[Sequence[int]] = None,
-) -> None:
-    """Scores of the first modes over the phases, in standard deviations; and the way through the
-    plane of the first two.
-
-    closed: the last phase is followed by the first. phases: their numbers; default: from 0.
-    """
-    plt = matplotlib_pyplot()
+def scores(row: Row, model: ShapeModel, path, *, shown: int = 3) -> None:
+    """Scores of the first modes in standard deviations. Of phases over time, with the way through
+    the plane of the first two; of shapes by name, with their places in that plane."""
     shown = min(shown, len(model.modes))
     units = model.scores[:, :shown] / np.sqrt(model.eigenvalues[:shown])
-    phases = np.arange(len(units)) if phases is None else np.asarray(phases)
-    plane = shown > 1
+    labels = [
+        f"mode {m + 1} ({100 * model.eigenvalues[m] / model.total_variance:.1f} %)"
+        for m in range(shown)
+    ]
+    (_scores_of_phases if row.timed else _scores_of_shapes)(row, units, labels, model.names, path)
+
+
+def _scores_of_phases(row: Row, units, labels, names, path) -> None:
+    plt = matplotlib_pyplot()
+    closed, phases = row.result.order == "Cyclic time", np.asarray(row.numbers())
+    plane = units.shape[1] > 1
     figure, axes = plt.subplots(
         1,
         1 + plane,
-        figsize=(12.4 if plane else 7.6, 4.6),
-        dpi=170,
+        figsize=(12.8 if plane else 7.6, 4.6),
+        dpi=150,
         squeeze=False,
-        gridspec_kw={"width_ratios": (1.55, 1)[: 1 + plane]},
+        gridspec_kw={"width_ratios": (1.45, 1)[: 1 + plane]},
     )
     over, *rest = axes[0]
-    shares = 100 * model.eigenvalues / model.total_variance
-    for m in range(shown):
-        over.plot(
-            phases,
-            units[:, m],
-            color=MODE_COLORS[m % 3],
-            lw=2.2,
-            marker="o",
-            ms=4,
-            label=f"mode {m + 1} ({shares[m]:.1f} %)",
-        )
+    for m, label in enumerate(labels):
+        color = MODE_COLORS[m % 3]
+        over.plot(phases, units[:, m], color=color, lw=2.2, marker="o", ms=4, label=label)
     over.axhline(0, color="#9ca3af", lw=0.8)
-    over.set_title("Scores over the phases", fontsize=13, color=INK, loc="left", weight="bold")
-    over.set_xlabel("phase", fontsize=11, color=GREY)
-    over.set_ylabel("standard deviations", fontsize=11, color=GREY)
+    _titles(over, "Scores over the phases", "phase", "standard deviations")
     over.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
     low, high = units.min(), units.max()
     over.set_ylim(low - 0.1 * (high - low), high + 0.32 * (high - low))
@@ -252,11 +239,18 @@ def scores(
     for axis in rest:
         way = np.r_[0 : len(phases), 0] if closed else np.arange(len(phases))
         axis.plot(units[way, 0], units[way, 1], color="#9ca3af", lw=1.4, zorder=1)
-        colors = plt.get_cmap("twilight_shifted" if closed else "viridis")(
-            np.linspace(0.1, 0.9, len(phases))
-        )
-        axis.scatter(
-            units[:, 0], units[:, 1], c=colors, s=46, zorder=2, edgecolors="white", linewidths=0.8
+        dots = axis.scatter(
+            units[:, 0],
+            units[:, 1],
+            c=phases,
+            cmap="twilight_shifted" if closed else "viridis",
+            # A cycle's last phase is followed by the first: their colours are, too.
+            vmin=phases[0],
+            vmax=phases[-1] + closed,
+            s=46,
+            zorder=2,
+            edgecolors="white",
+            linewidths=0.8,
         )
         step = max(1, len(phases) // 6)
         for i in range(0, len(phases) - step // 2, step):
@@ -268,45 +262,97 @@ def scores(
                 fontsize=10,
                 color=INK,
             )
-        axis.set_title(
-            "The way through the first two modes", fontsize=13, color=INK, loc="left", weight="bold"
-        )
-        axis.set_xlabel("mode 1, standard deviations", fontsize=11, color=GREY)
-        axis.set_ylabel("mode 2, standard deviations", fontsize=11, color=GREY)
+        _titles(axis, "The way through the first two modes", *PLANE)
         axis.margins(0.12)
         quiet_axes(axis, both=True)
+        key = figure.colorbar(dots, ax=axis, pad=0.03, fraction=0.05)
+        key.set_label("phase", fontsize=11, color=GREY)
+        key.ax.yaxis.get_major_locator().set_params(integer=True)
+        key.ax.tick_params(colors=GREY, length=0)
+        key.outline.set_visible(False)
     figure.tight_layout(w_pad=2.5)
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
+
+
+PLANE = ("mode 1, standard deviations", "mode 2, standard deviations")
+BY_NAME = 48  # so many shapes have room for their names
+
+
+def _scores_of_shapes(row: Row, units, labels, names, path) -> None:
+    plt = matplotlib_pyplot()
+    plane, few = units.shape[1] > 1, len(names) <= BY_NAME
+    height = max(4.6, 1.5 + 0.24 * len(names)) if few else 4.6
+    figure, axes = plt.subplots(
+        1, 1 + plane, figsize=(12.8 if plane else 7.6, height), dpi=150, squeeze=False
+    )
+    left, *rest = axes[0]
+    if few:
+        place = np.arange(len(names))[::-1]
+        for m, label in enumerate(labels):
+            left.scatter(units[:, m], place, color=MODE_COLORS[m % 3], s=34, label=label, zorder=3)
+        left.axvline(0, color="#9ca3af", lw=0.8)
+        left.set_yticks(place, names)
+        _titles(left, "Scores of the shapes", "standard deviations", "")
+        quiet_axes(left, both=True)
+    else:
+        bins = np.linspace(units.min(), units.max(), 31)
+        for m, label in enumerate(labels):
+            color = MODE_COLORS[m % 3]
+            left.hist(units[:, m], bins, color=color, histtype="step", lw=2, label=label)
+        _titles(left, "Scores of the shapes", "standard deviations", "shapes")
+        quiet_axes(left)
+    figure.legend(
+        *left.get_legend_handles_labels(),
+        fontsize=10.5,
+        loc="lower left",
+        ncol=3,
+        labelcolor=INK,
+        frameon=False,
+    )
+    for axis in rest:
+        axis.scatter(
+            units[:, 0], units[:, 1], color=ROBUST, s=40, zorder=2, edgecolors="white", lw=0.8
+        )
+        # Where there is no room for all names, those that stand out.
+        far = np.argsort(-np.hypot(units[:, 0], units[:, 1]))[: len(names) if few else 8]
+        for i in far:
+            axis.annotate(
+                names[i],
+                units[i, :2],
+                textcoords="offset points",
+                xytext=(6, 4),
+                fontsize=9,
+                color=INK,
+            )
+        _titles(axis, "The shapes in the first two modes", *PLANE)
+        axis.margins(0.16)
+        quiet_axes(axis, both=True)
+    figure.tight_layout(w_pad=2.5, rect=(0, 0.35 / height, 1, 1))
+    save(figure, path)
 
 
 def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
-    """What the surfaces enclose, phase by phase. truth: the same of the thing itself, where it is
-    known."""
-    plt = matplotlib_pyplot()
-    per_unit, unit = (1000, "ml") if row.unit == "mm" else (1, "unit³")
+    """What the surfaces enclose: phase by phase, or shape by shape. truth: the same of the thing
+    itself, where it is known."""
+    per_unit, unit = volume_unit(row.result.unit)
     values = np.abs([surface.volume for surface in row.result.surfaces]) / per_unit
-    figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=170)
-    phases = row.numbers()
-    axis.plot(
-        phases,
-        values,
-        color=ROBUST,
-        lw=2.4,
-        marker="o",
-        ms=4,
-        label=f"{row.title}" if truth is not None else None,
-    )
-    if truth is not None:
-        axis.plot(
-            phases,
-            np.abs(truth) / per_unit,
-            color=GREY,
-            lw=1.8,
-            ls=(0, (4, 3)),
-            label="the phantom itself",
+    if row.timed:
+        _volumes_of_phases(
+            row, values, unit, None if truth is None else abs(truth) / per_unit, path
         )
-    others = values if truth is None else np.abs(truth) / per_unit
+    else:
+        _volumes_of_shapes(row, values, unit, path)
+
+
+def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
+    plt = matplotlib_pyplot()
+    figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=150)
+    phases = row.numbers()
+    label = f"{row.title}" if truth is not None else None
+    axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=label)
+    if truth is not None:
+        axis.plot(phases, truth, color=GREY, lw=1.8, ls=(0, (4, 3)), label="the phantom itself")
+    others = values if truth is None else truth
     highest, lowest = int(values.argmax()), int(values.argmin())
     for phase, at, above in (
         (highest, max(values[highest], others[highest]), 10),
@@ -323,9 +369,7 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
     title = "Volume over the phases"
     if row.result.order == "Cyclic time" and values.max() > 0:
         title += f": {100 * (1 - values.min() / values.max()):.0f} % ejected"
-    axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold")
-    axis.set_xlabel("phase", fontsize=11, color=GREY)
-    axis.set_ylabel(f"volume, {unit}", fontsize=11, color=GREY)
+    _titles(axis, title, "phase", f"volume, {unit}")
     axis.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
     axis.set_ylim(0, 1.2 * values.max())
     axis.xaxis.get_major_locator().set_params(integer=True)
@@ -333,5 +377,30 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
         axis.legend(fontsize=10.5, loc="lower left", labelcolor=INK, frameon=False)
     quiet_axes(axis)
     figure.tight_layout()
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
+
+
+def _volumes_of_shapes(row: Row, values, unit: str, path) -> None:
+    plt = matplotlib_pyplot()
+    names = [surface.name for surface in row.result.surfaces]
+    few = len(names) <= BY_NAME
+    figure, axis = plt.subplots(
+        figsize=(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3), dpi=150
+    )
+    if few:
+        place = np.arange(len(names))[::-1]
+        axis.barh(place, values, height=0.62, color=ROBUST)
+        axis.set_yticks(place, names)
+        _titles(axis, "Volume of the shapes", f"volume, {unit}", "")
+    else:
+        axis.hist(values, 30, color=ROBUST)
+        _titles(axis, "Volume of the shapes", f"volume, {unit}", "shapes")
+    quiet_axes(axis, both=True)
+    figure.tight_layout()
+    save(figure, path)
+
+
+def _titles(axis, title: str, x: str, y: str) -> None:
+    axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold")
+    axis.set_xlabel(x, fontsize=11, color=GREY)
+    axis.set_ylabel(y, fontsize=11, color=GREY)

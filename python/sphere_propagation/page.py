@@ -7,10 +7,11 @@ from __future__ import annotations
 import base64
 import html
 from pathlib import Path
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Sequence, Tuple
 
 from . import report
 from .model import ShapeModel
+from .provenance import Provenance
 from .version import version
 
 STYLE = """
@@ -47,6 +48,13 @@ td.words, th.words { text-align: left; }
 td.words:last-child { white-space: normal; }
 details { margin: 12px 0; }
 summary { cursor: pointer; font-weight: 600; }
+dl { font-size: 14px; margin: -12px 0 24px; }
+dt { float: left; clear: left; font-weight: 600; margin-right: 8px; }
+dd { margin: 0 0 4px; max-width: 96ch; }
+.box { margin-top: 52px; padding: 4px 24px 8px; border: 2px solid #d8dce2; border-radius: 8px; }
+.box h2 { margin: 12px 0 0; padding: 0; border: 0; }
+.box td { white-space: normal; overflow-wrap: anywhere; }
+.box td.words:first-child { white-space: nowrap; font-weight: 600; color: #5b6570; }
 footer { margin-top: 56px; font-size: 14px; }
 """
 
@@ -59,10 +67,11 @@ class Picture(NamedTuple):
 
 class Table(NamedTuple):
     title: str
-    header: Sequence[str]
+    header: Sequence[str]  # empty: none
     rows: Sequence[Sequence[str]]
     words: int = 1  # columns from the left that are text
     folded: bool = False
+    key: Sequence[Tuple[str, str]] = ()  # words of the header, and what they mean
 
 
 class Chapter(NamedTuple):
@@ -70,16 +79,19 @@ class Chapter(NamedTuple):
     text: str
     pictures: Sequence[Picture]
     tables: Sequence[Table]
+    box: bool = False  # set apart from the others
 
 
 def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None:
     """Pictures that are not there are left out."""
     parts = [f"<h1>{html.escape(title)}</h1>", f'<p class="muted">{html.escape(text)}</p>']
     for chapter in chapters:
+        parts.append('<section class="box">' if chapter.box else "")
         parts.append(f"<h2>{html.escape(chapter.title)}</h2>" if chapter.title else "")
         parts.append(f"<p>{html.escape(chapter.text)}</p>" if chapter.text else "")
         parts += [_figure(picture) for picture in chapter.pictures if picture.path.is_file()]
         parts += [_table(table) for table in chapter.tables]
+        parts.append("</section>" if chapter.box else "")
     parts.append(
         f"<footer>Made by sphere-propagation {html.escape(version())}. Pictures and tables are "
         "inside this file.</footer>"
@@ -97,7 +109,20 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
 def summary_table(runs: Sequence[report.Run]) -> Table:
     """One row per run."""
     header, *rows = report.summary_rows(runs)
-    return Table("Figures of the runs", header, rows, words=report.TEXTS)
+    return Table(
+        "Figures of the runs", header, rows, report.TEXTS, key=report.words_of_summary(runs)
+    )
+
+
+def provenance_chapter(made: Provenance) -> Chapter:
+    """How to make it again, and how to cite it."""
+    tables = [Table("", [], made.rows(), words=2)]
+    if made.inputs:
+        rows = [[str(path), digest] for path, digest in made.inputs]
+        title = f"Inputs and their SHA-256: {len(rows)} file{'s' * (len(rows) > 1)}"
+        tables.append(Table(title, ["file", "SHA-256"], rows, words=2, folded=True))
+    text = "What it takes to make this again; run.json holds the same for programs."
+    return Chapter("How this was made", text, [], tables, box=True)
 
 
 def warning_tables(runs: Sequence[report.Run]) -> List[Table]:
@@ -111,14 +136,16 @@ def warning_tables(runs: Sequence[report.Run]) -> List[Table]:
 
 def layer_table(run: report.Run) -> Table:
     """One row per layer."""
+    unit = run.result.unit
     columns = [
         ("layer", "layer"),
         ("vertices", "vertices"),
         ("flipped_faces", "flips"),
         ("area_ratio_sd", "area ratio sd"),
         ("angle_error_mean", "angle error, °"),
-        ("residual_mean", "residual"),
-        ("surface_distance_mean", "landmark mesh to surface"),
+        ("repaired_faces", "repaired"),
+        ("residual_mean", f"residual, {unit}"),
+        ("surface_distance_mean", f"landmark mesh to surface, {unit}"),
         ("error_mm", "error, mm"),
         ("seconds", "s"),
     ]
@@ -141,7 +168,7 @@ def layer_table(run: report.Run) -> Table:
     )
 
 
-def model_table(model: ShapeModel, max_modes: int = 10) -> Table:
+def model_table(model: ShapeModel, unit: str, max_modes: int = 10) -> Table:
     """One row per number of modes."""
 
     def with_error(name: str, m: int) -> str:
@@ -159,7 +186,13 @@ def model_table(model: ShapeModel, max_modes: int = 10) -> Table:
     ]
     return Table(
         "The shape model by number of modes",
-        ["modes", "eigenvalue", "share of the variance", "generalisation", "specificity"],
+        [
+            "modes",
+            f"eigenvalue, {unit}²",
+            "share of the variance",
+            f"generalisation, {unit}",
+            f"specificity, {unit}",
+        ],
         rows,
         words=0,
     )
@@ -195,15 +228,22 @@ def _table(table: Table) -> str:
 
     lines: List[str] = [
         '<div class="scroll"><table>',
-        f"<thead>{row(table.header, 'th')}</thead>",
+        f"<thead>{row(table.header, 'th')}</thead>" if table.header else "",
         "<tbody>",
         *(row(cells, "td") for cells in table.rows),
         "</tbody></table></div>",
     ]
-    content = "\n".join(lines)
+    if table.key:
+        lines += [
+            "<dl>",
+            *(
+                f"<dt>{html.escape(word)}</dt><dd>{html.escape(text)}</dd>"
+                for word, text in table.key
+            ),
+            "</dl>",
+        ]
+    content = "\n".join(filter(None, lines))
     title = html.escape(table.title)
-    return (
-        f"<details><summary>{title}</summary>{content}</details>"
-        if table.folded
-        else f"<h3>{title}</h3>{content}"
-    )
+    if table.folded:
+        return f"<details><summary>{title}</summary>{content}</details>"
+    return f"<h3>{title}</h3>{content}" if title else content

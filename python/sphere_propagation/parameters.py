@@ -17,6 +17,26 @@ INITIAL_MAPS = ("Automatic", "Brechbuehler", "Harmonic")
 METHODS = ("Robust", "As published")
 ORDERS = ("Time", "Cyclic time", "Similarity tree", "Star", "Given")
 
+# What else the choices of a parameter may be called, in Python and on the command line: the short
+# words that the command has always had.
+SHORT = {
+    "published": "As published",
+    "cyclic": "Cyclic time",
+    "similarity": "Similarity tree",
+}
+# The parameters that have choices, of all filters and of correspond.
+NAMED = {
+    "initial_map": INITIAL_MAPS,
+    "method": METHODS,
+    "order": ORDERS,
+    "alignment": ("Similarity", "Rigid", "None"),
+    "pattern": ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio"),
+    "part": ("Cavity", "Wall"),
+    "coordinates": ("RAS", "LPS"),
+    "handle_repair": ("Whichever changes less", "Cut", "Fill"),
+    "lid": ("Curved", "Flat"),
+}
+
 Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers
 
 
@@ -66,6 +86,17 @@ def real_number(name: str, value, finite: bool = True) -> float:
     if finite and not np.isfinite(number):
         raise InputError(f"{name} must be a number, not {value!r}.")
     return number
+
+
+def in_full(name: str, value):
+    """A choice as the filters spell it, from any case and from the short words; anything else as it
+    is."""
+    choices = NAMED.get(name, ())
+    if not isinstance(value, str) or value in choices:
+        return value
+    word = re.sub(r"[\s_-]+", " ", value.strip()).lower()
+    words = (word, SHORT.get(word, word).lower())
+    return next((choice for choice in choices if choice.lower() in words), value)
 
 
 def require_choice(name: str, value, choices: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ import os
 import sys
 from functools import lru_cache
 from importlib.util import find_spec
-from typing import Sequence
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -25,7 +25,8 @@ if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     # No display: say so instead of trying one.
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-WIDTH = 2400  # pixels
+WIDTH, MAX_HEIGHT = 2000, 800  # pixels: of a picture, of one surface in it
+Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
 NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
 INK, GREY = "#1c2530", "#5b6570"
 PUBLISHED, ROBUST = "#c2410c", "#0f766e"
@@ -50,47 +51,51 @@ def what_is_missing() -> str:
 # ---------------------------------------------------------------- the pictures
 
 
-def landmarks_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
-    """The landmarks of some phases: same colour, same landmark (figure 2 of the paper)."""
+def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
+    """The landmarks of some surfaces: same colour, same landmark (figure 2 of the paper)."""
 
-    def draw(scene, result, phase):
-        surface, points = result.surfaces[phase], result.landmarks[phase]
-        scene.surface(
+    def draw(panel, result, i):
+        surface, points = result.surfaces[i], result.landmarks[i]
+        panel.surface(
             surface.vertices, surface.faces, np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95])
         )
-        scene.balls(points, landmark_colors(len(points)), 0.27 * _spacing(result))
+        panel.balls(
+            points, landmark_colors(len(points)), 0.27 * _spacing(result), result.landmark_faces
+        )
 
     count = rows[0].result.landmarks.shape[1]
-    _phases(
+    _surfaces(
         rows,
         path,
         columns,
         draw,
-        f"{count} landmarks on every phase: the same colour is the same landmark",
+        f"{count} landmarks on every {rows[0].noun}: the same colour is the same landmark",
         count,
     )
 
 
-def maps_over_cycle(rows: Sequence[Row], path, columns: int = 6) -> None:
-    """One checkerboard of the sphere, drawn on some phases through their maps: same field, same
+def maps_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
+    """One checkerboard of the sphere, drawn on some surfaces through their maps: same field, same
     place."""
 
-    def draw(scene, result, phase):
-        surface = result.surfaces[phase]
-        scene.checkerboard(surface.vertices, surface.faces, result.maps[phase].positions)
+    def draw(panel, result, i):
+        surface = result.surfaces[i]
+        panel.checkerboard(surface.vertices, surface.faces, result.maps[i].positions)
 
-    _phases(
+    _surfaces(
         rows,
         path,
         columns,
         draw,
-        "Latitude and longitude of the sphere on every phase: the same field is the same place",
+        f"Latitude and longitude of the sphere on every {rows[0].noun}: the same field is the same "
+        "place",
     )
 
 
 def root_and_sphere(rows: Sequence[Row], path) -> None:
     """Each root beside its sphere, both with the sphere's latitudes and longitudes."""
-    panels, size = [], 560
+    size = 560
+    scene, places = Scene(size * 2 * len(rows), size), []
     for row in rows:
         result = row.result
         surface, positions = result.surfaces[result.root], result.maps[result.root].positions
@@ -100,9 +105,9 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
         turned = positions @ sphere_rotation(seen, positions).T
         half = np.abs(seen - center)[:, :2].max()
         for vertices, extent in ((seen - center, half), (turned, 1.0)):
-            scene = Scene(np.eye(3), np.zeros(3), np.full(2, 1.06 * extent), size / (2.12 * extent))
-            scene.checkerboard(vertices, surface.faces, positions, spherical=vertices is turned)
-            panels.append(scene.image())
+            places.append((size * len(places), 0, size, size))
+            panel = scene.panel(places[-1], np.eye(3), np.zeros(3), size / (2.12 * extent))
+            panel.checkerboard(vertices, surface.faces, positions, spherical=vertices is turned)
     captions = []
     for row in rows:
         figures, root = row.result.figures, row.result.root
@@ -112,7 +117,12 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
             f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd "
             f"{figures['area_ratio_sd'][root]:.4f}",
         ]
-    _set([panels], [captions], path, "A surface and its area-preserving map to the sphere")
+    _set(
+        [scene.parts(places)],
+        [captions],
+        path,
+        "A surface and its area-preserving map to the sphere",
+    )
 
 
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
@@ -146,18 +156,17 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
         "mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY
     )
     figure.tight_layout(w_pad=2.5)
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
 
 
 # ---------------------------------------------------------------- what they share
 
 
-def _phases(rows, path, columns, draw, title, landmark_count=0):
-    lines = []  # of the picture: row and its phases
+def _surfaces(rows, path, columns, draw, title, landmark_count=0):
+    lines = []  # of the picture: row and which of its surfaces
     for row in rows:
-        phases = chosen_phases(len(row.result.surfaces), columns, 2 if len(rows) == 1 else 1)
-        lines += [(row, phases[i : i + columns]) for i in range(0, len(phases), columns)]
+        shown = chosen_phases(len(row.result.surfaces), columns, 2 if len(rows) == 1 else 1)
+        lines += [(row, shown[i : i + columns]) for i in range(0, len(shown), columns)]
     frames = []
     for row in rows:
         root = row.result.surfaces[row.result.root]
@@ -168,23 +177,23 @@ def _phases(rows, path, columns, draw, title, landmark_count=0):
             (rotation, (low + high) / 2, (high - low)[:2] / 2 + 0.6 * _spacing(row.result))
         )
     width = max(extent[0] for _, _, extent in frames)
-    scale = WIDTH / (2.1 * width * max(len(phases) for _, phases in lines))
-    panels, captions, names = [], [], []
-    for row, phases in lines:
-        rotation, center, extent = frames[[other is row for other in rows].index(True)]
-        panels.append([])
+    most = max(len(shown) for _, shown in lines)
+    scale = min(WIDTH / (2.1 * width * most), MAX_HEIGHT / (2 * max(e[1] for _, _, e in frames)))
+    across = round(2 * width * scale)
+    frames_of_lines = [frames[[other is row for other in rows].index(True)] for row, _ in lines]
+    heights = [round(2 * extent[1] * scale) for _, _, extent in frames_of_lines]
+    scene = Scene(across * most, sum(heights))
+    places, captions, names, top = [], [], [], 0
+    for (row, shown), (rotation, center, _), height in zip(lines, frames_of_lines, heights):
+        places.append([])
         captions.append([])
         names.append(row.title)
-        for phase in phases:
-            scene = Scene(rotation, center, np.array([width, extent[1]]), scale)
-            draw(scene, row.result, phase)
-            panels[-1].append(scene.image())
-            surface = row.result.surfaces[phase]
-            captions[-1].append(
-                f"phase {row.numbers()[phase]}, {abs(surface.volume) / 1000:.0f} ml"
-                if row.unit == "mm"
-                else surface.name
-            )
+        for k, i in enumerate(shown):
+            places[-1].append((k * across, top, across, height))
+            draw(scene.panel(places[-1][-1], rotation, center, scale), row.result, i)
+            captions[-1].append(row.caption(i))
+        top += height
+    panels = [scene.parts(line) for line in places]
     _set(panels, captions, path, title, names, landmark_count)
 
 
@@ -231,7 +240,8 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
             axis = figure.add_axes([x / width, 1 - (y + h) / height, w / width, h / height])
             axis.imshow(image, interpolation="none", aspect="auto")
             axis.axis("off")
-            text(x + w / 2, y + h + line / 2, caption, 30, color=GREY, ha="center", va="center")
+            size = min(30, 1.7 * (w + gap) / max(len(caption), 1))
+            text(x + w / 2, y + h + line / 2, caption, size, color=GREY, ha="center", va="center")
             x += w + gap
         top += heights[i] + gap
     if landmark_count:
@@ -248,8 +258,7 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
             ha="left",
             va="center",
         )
-    figure.savefig(path, facecolor="white")
-    plt.close(figure)
+    save(figure, path)
 
 
 def _spacing(result: Correspondence) -> float:
@@ -267,6 +276,15 @@ def matplotlib_pyplot():
     return plt
 
 
+def save(figure, paths) -> None:
+    """Writes a figure to a file, or to several; the endings choose the formats (png, svg, pdf)."""
+    for path in [paths] if isinstance(paths, (str, os.PathLike)) else paths:
+        # Quickly: the highest compression would take as long as drawing, for a tenth of the size.
+        quick = {"pil_kwargs": {"compress_level": 3}} if str(path).endswith(".png") else {}
+        figure.savefig(path, facecolor="white", **quick)
+    matplotlib_pyplot().close(figure)
+
+
 def quiet_axes(axis, both: bool = False) -> None:
     """A light grid, across or both ways, and no frame."""
     axis.grid(axis="both" if both else "y", color="#e5e7eb", lw=1)
@@ -278,28 +296,41 @@ def quiet_axes(axis, both: bool = False) -> None:
 
 
 class Scene:
-    """One picture without text, on white, in parallel projection.
+    """One picture without text, on white, in parallel projection, of many panels: everything in it
+    is rendered at once, which costs a small part of one picture per panel.
 
-    rotation, center: to view coordinates, and what is in the middle there; extent: half width and
-    height in the surfaces' unit;
-    scale: pixels per unit.
+    width, height: in pixels.
     """
 
-    def __init__(self, rotation, center, extent, scale):
+    def __init__(self, width: int, height: int):
+        self.width, self.height = max(int(width), 2), max(int(height), 2)
+        self.meshes: List[_Mesh] = []
+        self.picture: Optional[np.ndarray] = None
+
+    def panel(self, place: Place, rotation, center, scale: float) -> Panel:
+        """What is drawn at this place. rotation, center: to view coordinates, and what is in the
+        middle there; scale: pixels per unit."""
+        return Panel(self, place, rotation, center, scale)
+
+    def parts(self, places: Sequence[Place]) -> List[np.ndarray]:
+        """The images of panels, once all is drawn."""
+        if self.picture is None:
+            self.picture = self._render()
+        return [self.picture[y : y + h, x : x + w] for x, y, w, h in places]
+
+    def _render(self) -> np.ndarray:
         import pyvista
 
-        self.pyvista, self.rotation, self.center = pyvista, rotation, center
-        size = np.maximum(2 * np.round(extent * scale), 2).astype(int)
-        self.plotter = pyvista.Plotter(
-            off_screen=True, window_size=[int(n) for n in size], lighting="none"
+        plotter = pyvista.Plotter(
+            off_screen=True, window_size=[self.width, self.height], lighting="none"
         )
-        self.plotter.set_background("white")
+        plotter.set_background("white")
         for position, intensity in (
             ((-1.0, 1.6, 2.2), 0.80),
             ((1.6, 0.2, 1.6), 0.34),
             ((0, -1.5, 1.0), 0.16),
         ):
-            self.plotter.add_light(
+            plotter.add_light(
                 pyvista.Light(
                     position=position,
                     focal_point=(0, 0, 0),
@@ -307,90 +338,171 @@ class Scene:
                     light_type="scene light",
                 )
             )
-        far = 10 * extent.max()
-        self.plotter.camera_position = [(0, 0, far), (0, 0, 0), (0, 1, 0)]
-        self.plotter.camera.parallel_projection = True
-        self.plotter.camera.parallel_scale = size[1] / 2 / scale
-        self.plotter.camera.clipping_range = (0.01 * far, 2 * far)
-
-    def surface(self, vertices, faces, colors, normals=None):
-        seen = vertices @ self.rotation.T - self.center
-        mesh = self.pyvista.PolyData(seen, np.c_[np.full(len(faces), 3), faces].ravel())
-        mesh.point_data.active_normals = _soft_normals(seen, faces) if normals is None else normals
-        self._add(mesh, colors)
-
-    def checkerboard(self, vertices, faces, positions, spherical=False):
-        """A surface with its map's latitudes and longitudes. spherical: the surface is the sphere
-        itself."""
-        seen = vertices @ self.rotation.T - self.center
-        mesh = self.pyvista.PolyData(seen, np.c_[np.full(len(faces), 3), faces].ravel())
-        mesh["normal"] = _soft_normals(seen, faces)
-        mesh["position"] = positions
-        if len(faces) < 100_000:
-            mesh = mesh.subdivide(2 if len(faces) < 25_000 else 1, "linear")
-        corners = mesh.faces.reshape(-1, 4)[
-            :, 1:
-        ].ravel()  # each triangle gets corners of its own: longitudes jump at the date line
-        points, normals, positions = (
-            np.asarray(values)[corners]
-            for values in (mesh.points, mesh["normal"], mesh["position"])
-        )
-        if spherical:
-            points = normals = points / np.linalg.norm(points, axis=1, keepdims=True)
-        longitude, latitude = sphere_coordinates(
-            positions / np.linalg.norm(positions, axis=1, keepdims=True)
-        )
-        triple, first = longitude.reshape(-1, 3), longitude[::3, None]
-        triple = first + (triple - first + 0.5) % 1 - 0.5
-        at_pole = np.abs(latitude.reshape(-1, 3)) > 1 - 1e-9
-        triple = np.where(
-            at_pole,
-            (triple * ~at_pole).sum(1, keepdims=True)
-            / np.maximum((~at_pole).sum(1, keepdims=True), 1),
-            triple,
-        )
-        fine = self.pyvista.PolyData(
-            points,
-            np.c_[np.full(len(triple), 3), np.arange(3 * len(triple)).reshape(-1, 3)].ravel(),
-        )
-        fine.point_data.active_normals = np.asarray(normals, np.float32)
-        fine.active_texture_coordinates = np.c_[
-            (triple.ravel() + 1) / 3, (latitude + 1) / 2
-        ].astype(np.float32)
-        self._add(fine, texture=_checkerboard_texture(self.pyvista))
-
-    def balls(self, centers, colors, radius):
-        cloud = self.pyvista.PolyData(centers @ self.rotation.T - self.center)
-        cloud["colors"] = _bytes(colors)
-        ball = self.pyvista.Sphere(radius=radius, theta_resolution=14, phi_resolution=14)
-        self._add(cloud.glyph(geom=ball, scale=False, orient=False), ambient=0.42, specular=0.0)
-
-    def _add(self, mesh, colors=None, ambient=0.30, specular=0.10, texture=None):
-        if colors is not None:
-            mesh["colors"] = _bytes(colors)
-        paint = {"texture": texture} if texture is not None else {"scalars": "colors", "rgb": True}
-        actor = self.plotter.add_mesh(
-            mesh, **paint, ambient=ambient, diffuse=0.80, specular=specular, specular_power=18
-        )
-        actor.prop.interpolation = "Phong"
-
-    def image(self) -> np.ndarray:
-        self.plotter.enable_anti_aliasing("ssaa")
-        picture = self.plotter.screenshot(None, return_img=True)
-        self.plotter.close()
+        # As few actors as there are kinds: each costs time, whatever is in it.
+        for kind in dict.fromkeys(mesh.kind for mesh in self.meshes):
+            points, faces, normals, values = _joined([m for m in self.meshes if m.kind == kind])
+            mesh = pyvista.PolyData(points, np.c_[np.full(len(faces), 3), faces].ravel())
+            mesh.point_data.active_normals = normals.astype(np.float32)
+            if kind.chart:
+                mesh.active_texture_coordinates = values.astype(np.float32)
+                paint = {"texture": _texture(kind.chart)}
+            else:
+                mesh["colors"] = values
+                paint = {"scalars": "colors", "rgb": True}
+            actor = plotter.add_mesh(
+                mesh,
+                **paint,
+                ambient=kind.ambient,
+                diffuse=0.80,
+                specular=kind.specular,
+                specular_power=18,
+                render=False,
+            )
+            actor.prop.interpolation = "Phong"
+        far = 10.0 * max(self.width, self.height)
+        middle = (self.width / 2, -self.height / 2)
+        plotter.camera_position = [(*middle, far), (*middle, 0), (0, 1, 0)]
+        plotter.camera.parallel_projection = True
+        plotter.camera.parallel_scale = self.height / 2
+        plotter.camera.clipping_range = (0.01 * far, 2 * far)
+        plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        picture = plotter.screenshot(None, return_img=True)
+        plotter.close()
         return picture
 
 
-@lru_cache(maxsize=1)
-def _checkerboard_texture(pyvista):
-    """Three turns of longitude side by side, so that a triangle across the date line finds its
-    colours."""
-    longitude, latitude = (np.arange(2016) + 0.5) / 2016, (np.arange(1000, 0, -1) - 0.5) / 500 - 1
-    texture = pyvista.Texture(
-        np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))
+class _Kind(NamedTuple):
+    """What is drawn together."""
+
+    chart: str = ""  # of the checkerboard; empty: colours per vertex
+    ambient: float = 0.30
+    specular: float = 0.10
+
+
+class _Mesh(NamedTuple):
+    kind: _Kind
+    points: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    values: np.ndarray  # colours as bytes, or texture coordinates
+
+
+def _joined(meshes: Sequence[_Mesh]):
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
+    return (
+        np.concatenate([mesh.points for mesh in meshes]),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts)]),
+        np.concatenate([mesh.normals for mesh in meshes]),
+        np.concatenate([mesh.values for mesh in meshes]),
     )
+
+
+class Panel(NamedTuple):
+    """A part of a scene, with a view of its own."""
+
+    scene: Scene
+    place: Place
+    rotation: np.ndarray
+    center: np.ndarray
+    scale: float
+
+    def surface(self, vertices, faces, colors) -> None:
+        """With colours per vertex."""
+        seen = vertices @ self.rotation.T - self.center
+        self._add(_Kind(), seen, faces, _soft_normals(seen, faces), _bytes(colors))
+
+    def checkerboard(self, vertices, faces, positions, spherical=False) -> None:
+        """A surface with its map's latitudes and longitudes. spherical: the surface is the sphere
+        itself."""
+        seen = vertices @ self.rotation.T - self.center
+        normals = seen if spherical else _soft_normals(seen, faces)
+        # Longitudes make no sense at the poles: caps have charts of their own. Each triangle gets
+        # corners of its own, since longitudes jump at the date line.
+        height = positions[faces].mean(1)[:, 2]
+        for chart, taken in (
+            (BELT, np.abs(height) < CAP),
+            (NORTH, height >= CAP),
+            (SOUTH, height <= -CAP),
+        ):
+            corners = faces[taken].ravel()
+            if len(corners):
+                at = _chart_coordinates(chart, positions[corners])
+                alone = np.arange(len(corners)).reshape(-1, 3)
+                self._add(_Kind(chart), seen[corners], alone, normals[corners], at)
+
+    def balls(self, centers, colors, radius, faces) -> None:
+        """One around each vertex of a closed surface."""
+        seen = centers @ self.rotation.T - self.center
+        front = _soft_normals(seen, faces)[:, 2] > -0.4  # the others lie behind it
+        seen, colors = seen[front], colors[front]
+        ball, faces = _ball()
+        count = len(seen)
+        self._add(
+            _Kind(ambient=0.42, specular=0.0),
+            (seen[:, None] + radius * ball).reshape(-1, 3),
+            (np.arange(count)[:, None, None] * len(ball) + faces).reshape(-1, 3),
+            np.tile(ball, (count, 1)),
+            np.repeat(_bytes(colors), len(ball), axis=0),
+        )
+
+    def _add(self, kind: _Kind, seen, faces, normals, values) -> None:
+        x, y, width, height = self.place
+        middle = np.array([x + width / 2, -(y + height / 2), 0.0])
+        placed = self.scale * seen + middle
+        # Of closed surfaces only what looks at the eye is seen.
+        a, b, c = (placed[faces[:, k], :2] for k in range(3))
+        faces = faces[(b - a)[:, 0] * (c - a)[:, 1] > (b - a)[:, 1] * (c - a)[:, 0]]
+        self.scene.meshes.append(_Mesh(kind, placed, faces, normals, values))
+
+
+BELT, NORTH, SOUTH = "belt", "north", "south"  # charts of the checkerboard
+CAP = 0.8  # height above which triangles belong to a cap
+REACH = 1.3  # radians from the pole that a cap's chart covers: triangles are large in coarse meshes
+
+
+def _chart_coordinates(chart: str, positions: np.ndarray) -> np.ndarray:
+    """Texture coordinates of the corners of triangles, one after the other."""
+    positions = positions / np.linalg.norm(positions, axis=1, keepdims=True)
+    longitude, latitude = sphere_coordinates(positions)
+    if chart == BELT:
+        triple, first = longitude.reshape(-1, 3), longitude[::3, None]
+        triple = first + (triple - first + 0.5) % 1 - 0.5
+        return np.c_[(triple.ravel() + 1) / 3, (latitude + 1) / 2]
+    sign = 1 if chart == NORTH else -1
+    radius = np.clip((1 - sign * latitude) * np.pi / 2 / REACH, 0, 1) / 2
+    angle = 2 * np.pi * longitude
+    return np.c_[0.5 + radius * np.cos(angle), 0.5 + radius * np.sin(angle)]
+
+
+@lru_cache(maxsize=3)
+def _texture(chart: str):
+    import pyvista
+
+    if chart == BELT:
+        # Three turns of longitude side by side, so that a triangle across the date line finds its
+        # colours.
+        longitude, latitude = (
+            (np.arange(2016) + 0.5) / 2016,
+            (np.arange(1000, 0, -1) - 0.5) / 500 - 1,
+        )
+        colors = np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))
+    else:
+        across = ((np.arange(768) + 0.5) / 384 - 1) * REACH
+        x, y = across[None], -across[:, None]
+        latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
+        colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))
+    texture = pyvista.Texture(colors)
     texture.interpolate, texture.mipmap = True, True
     return texture
+
+
+@lru_cache(maxsize=1)
+def _ball():
+    """Vertices on the unit sphere, and faces."""
+    import pyvista
+
+    ball = pyvista.Icosphere(nsub=1)
+    return np.asarray(ball.points, float), ball.faces.reshape(-1, 4)[:, 1:]
 
 
 def _bytes(colors):

@@ -9,11 +9,23 @@ from typing import Dict, Iterator, Union
 import numpy as np
 
 from . import layers
+from .parameters import NAMED
 from .surface import Surface, SurfaceLike, as_surface
 
 PREPARE = "apply_surface_preparation"
-LIDS = ("Curved", "Flat")
+LIDS = NAMED["lid"]
 ATTRIBUTE = "lid"
+# What is counted, by its names.
+STEPS = (
+    "weld",
+    "remove_duplicate_faces",
+    "remove_fins",
+    "keep_largest_component",
+    "close_openings",
+    "lid",
+    "orient",
+    "remove_handles",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +45,10 @@ class PreparedSurface:
     figures: Dict[str, Union[float, np.ndarray]]
     lid: np.ndarray
     lid_faces: np.ndarray
+
+    def __repr__(self) -> str:
+        done = [f"{name} {self.figures[name]:g}" for name in STEPS if self.figures.get(name)]
+        return f"PreparedSurface({self.surface!r}, {', '.join(done) or 'as it was'})"
 
     def __iter__(self) -> Iterator:
         return iter((self.surface, self.figures))

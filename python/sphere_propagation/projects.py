@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 from typing import Dict, List, Union
 
@@ -65,6 +66,36 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
     results.write(
         f"{place}{name}_overview.mlp", lambda path: write_project(path, overview(row, layers))
     )
+
+
+def write_landmarks(path, result: Correspondence) -> None:
+    """All landmarks in one file; its ending chooses: .npz (landmarks (surfaces, N, 3), faces,
+    names, root, unit) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks count from
+    0)."""
+    path = path_of(path)
+    if not isinstance(result, Correspondence):
+        raise InputError(f"Landmarks are those of correspond(), not of {type(result).__name__}.")
+    names = distinct_names(result.surfaces)
+    if path.suffix.lower() == ".npz":
+        np.savez_compressed(
+            path,
+            landmarks=result.landmarks,
+            faces=result.landmark_faces,
+            names=np.array(names),
+            root=result.root,
+            unit=np.array(result.unit),
+        )
+    elif path.suffix.lower() == ".csv":
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["shape", "landmark", "x", "y", "z"])
+            for name, points in zip(names, result.landmarks):
+                writer.writerows(
+                    [name, j, *(f"{value:.9g}" for value in point)]
+                    for j, point in enumerate(points.tolist())
+                )
+    else:
+        raise InputError(f"Landmarks are written as .npz or .csv, not as {path.name}.")
 
 
 def overview(row: Row, layers) -> List[ProjectLayer]:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import csv
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -31,6 +31,7 @@ COLUMNS = (
     "residual_p95",
     "surface_distance_mean",
     "surface_distance_max",
+    "unit",
     "seconds",
     "remeshing_seconds",
     "error_mm",
@@ -61,6 +62,7 @@ def rows(run: Run) -> List[Dict[str, object]]:
             "root": int(i == run.result.root),
             "vertices": len(surface.vertices),
             "faces": len(surface.faces),
+            "unit": run.result.unit,
             "error_mm": "" if run.errors is None else f"{run.errors[i]:.4f}",
             "warnings": " ".join(w.message for w in run.warnings if w.layer == surface.name),
         }
@@ -140,10 +142,12 @@ def model_summary(model: ShapeModel, share: float = 0.95) -> str:
 
 def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
     """One row per run, and the header before them."""
-    header = ["data", "method", "layers", "flips", "repaired", "root sd", "residual"]
+    units = list(dict.fromkeys(run.result.unit for run in runs))
+    length = f", {units[0]}" if len(units) == 1 else ""
+    header = ["data", "method", "layers", "flips", "repaired", "root sd", f"residual{length}"]
     known = any(run.errors is not None for run in runs)
     if known:
-        header += ["worst error", "mean error"]
+        header += [f"worst error{length}", f"mean error{length}"]
     lines = [header]
     for data, result, errors, _ in runs:
         figures = result.figures
@@ -154,16 +158,44 @@ def summary_rows(runs: Sequence[Run]) -> List[List[str]]:
             f"{figures['flipped_faces'].sum():.0f}",
             f"{figures['repaired_faces'].sum():.0f}",
             f"{figures['area_ratio_sd'][result.root]:.4f}",
-            f"{figures['residual_mean'].mean():.2f}",
+            f"{figures['residual_mean'].mean():.3g}",
         ]
         if known:
-            line += (
-                ["", ""]
-                if errors is None
-                else [f"{errors.max():.2f} mm", f"{errors.mean():.2f} mm"]
-            )
+            line += ["", ""] if errors is None else [f"{errors.max():.2f}", f"{errors.mean():.2f}"]
         lines.append(line)
     return lines
+
+
+SUMMARY_WORDS = (
+    ("layers", "how many surfaces, the root among them"),
+    (
+        "flips",
+        "faces of all maps that lie upside down on the sphere, counted by the certificate: 0 in a "
+        "valid map",
+    ),
+    (
+        "repaired",
+        "faces that were flipped when a map arrived on its surface, and that were put right by "
+        "moving the vertices around them: many of them, on one layer, deserve a look",
+    ),
+    (
+        "root sd",
+        "standard deviation of the root map's area ratio, which is a face's share of the sphere "
+        "over its share of the surface: 0 where areas are preserved",
+    ),
+    (
+        "residual",
+        "mean distance of the surfaces' vertices from the root as it was brought onto them: how "
+        "closely it fits, not how rightly",
+    ),
+    ("error", "mean distance of the landmarks from the material points that they began on"),
+)  # of summary_rows, as captions have them
+
+
+def words_of_summary(runs: Sequence[Run]) -> List[Tuple[str, str]]:
+    """What the columns of the summary mean."""
+    known = any(run.errors is not None for run in runs)
+    return [pair for pair in SUMMARY_WORDS if known or pair[0] != "error"]
 
 
 def summary(runs: Sequence[Run]) -> str:

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Set
+from typing import Callable, Dict, List, Optional, Sequence, Set
+
+from .errors import InputError
 
 LIST = ".sphere-propagation.sha256"  # as sha256sum writes it; lies in the folder
 
@@ -26,26 +28,50 @@ class ResultFolder:
     def create(self) -> None:
         """Makes the folder, so that what is wrong with it is said before there is something to
         write."""
+        self.require_folder()
         self.folder.mkdir(parents=True, exist_ok=True)
+
+    def require_folder(self) -> None:
+        """InputError where a file has its name, or that of a folder above it."""
+        for path in (self.folder, *self.folder.parents):
+            if path.exists() and not path.is_dir():
+                raise InputError(
+                    f"{path} is a file: results go into a folder, which is made where there is "
+                    "none. Choose another name (-o)."
+                )
 
     def write(self, name: str, writer: Callable[[Path], object]) -> Path:
         """Calls writer(path) for a file of that name (with / between folders) and lists it; returns
         the path."""
+        return self.write_all([name], lambda paths: writer(paths[0]))[0]
+
+    def write_all(
+        self,
+        names: Sequence[str],
+        writer: Callable[[List[Path]], object],
+        beside: Callable[[Path], Sequence[Path]] = lambda path: (),
+    ) -> List[Path]:
+        """The same for several files that are made together. beside: what the writer makes beside
+        a file."""
         if self._written is None:
             self._clear()
             self._written = set()
-        path = self.folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and path not in self._written:
-            self._move_aside(path)
-        self._written.add(path)
+        paths = [self.folder / name for name in names]
+        for path in paths:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if path.exists() and path not in self._written:
+                self._move_aside(path)
+            self._written.add(path)
         try:
-            writer(path)
+            writer(paths)
         finally:
-            if path.is_file():  # half a file is ours, too
-                with open(self.folder / LIST, "a", encoding="utf-8") as file:
-                    file.write(f"{_digest(path)}  {name}\n")
-        return path
+            with open(self.folder / LIST, "a", encoding="utf-8") as file:
+                for path in [*paths, *(more for made in paths for more in beside(made))]:
+                    if path.is_file():  # half a file is ours, too
+                        self._written.add(path)
+                        name = path.relative_to(self.folder).as_posix()
+                        file.write(f"{_digest(path)}  {name}\n")
+        return paths
 
     def _clear(self) -> None:
         self.create()

@@ -43,6 +43,13 @@ class SphereMap:
                 )
             object.__setattr__(self, "texture", np.ascontiguousarray(texture, np.float64))
 
+    def __repr__(self) -> str:
+        known = {"flipped_faces": "{:.0f} flipped faces", "area_ratio_sd": "area ratio sd {:.4f}"}
+        said = [
+            text.format(self.figures[name]) for name, text in known.items() if name in self.figures
+        ]
+        return f"SphereMap({', '.join([f'{len(self.positions)} positions', *said])})"
+
 
 MapLike = Union[SphereMap, np.ndarray]  # the array: positions
 

@@ -62,6 +62,12 @@ class Surface:
         object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, np.float64))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, np.int32))
 
+    def __repr__(self) -> str:
+        space = f", {self.space}" if self.space else ""
+        return (
+            f"Surface({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces{space})"
+        )
+
     @property
     def volume(self) -> float:
         """Of what it surrounds; negative when its faces look inwards."""
@@ -73,6 +79,11 @@ class Surface:
         """Of its faces' edges."""
         corners = self.vertices[self.faces]
         return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+
+
+def counted(things: Sequence, noun: str) -> str:
+    """ "1 surface", "2 surfaces"."""
+    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
 
 
 def array_of(what: str, values: Any) -> np.ndarray:

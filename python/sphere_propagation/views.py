@@ -3,19 +3,20 @@
 
 from __future__ import annotations
 
+import re
 from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from .correspondence import Correspondence
+from .units import volume_unit
 
 
 class Row(NamedTuple):
-    """One sequence in a picture of several phases, or in a project."""
+    """One sequence in a picture of several surfaces, or in a project."""
 
     title: str
     result: Correspondence
-    unit: Optional[str] = None  # of lengths; with "mm" volumes are written in ml
     up: Optional[Sequence[float]] = None  # direction; default: along the root's long axis
     phases: Optional[Sequence[int]] = (
         None  # the number of each surface's phase; default: as they come, from 0
@@ -28,6 +29,30 @@ class Row(NamedTuple):
             if self.phases is not None
             else list(range(len(self.result.surfaces)))
         )
+
+    @property
+    def timed(self) -> bool:
+        """Whether these are phases of one thing, and no collection of shapes: they are in an order
+        of time, and their names are alike but for numbers."""
+        names = [surface.name for surface in self.result.surfaces]
+        return self.result.order in ("Time", "Cyclic time") and (
+            self.phases is not None or len({re.sub(r"\d+", "#", name) for name in names}) == 1
+        )
+
+    @property
+    def noun(self) -> str:
+        """What each surface is, for texts."""
+        return "phase" if self.timed else "shape"
+
+    def caption(self, i: int) -> str:
+        """Of one surface."""
+        surface = self.result.surfaces[i]
+        if not self.timed:
+            return surface.name
+        per, unit = volume_unit(self.result.unit)
+        volume = abs(surface.volume) / per
+        digits = f"{volume:.0f}" if volume >= 10 else f"{volume:.2g}"
+        return f"phase {self.numbers()[i]}, {digits} {unit}"
 
 
 def upright(
@@ -62,6 +87,6 @@ def sphere_rotation(vertices: np.ndarray, positions: np.ndarray) -> np.ndarray:
 
 
 def chosen_phases(count: int, columns: int, rows: int = 1) -> List[int]:
-    """Phases spread evenly over a cycle."""
+    """Some of them, spread evenly: over a cycle the last is followed by the first."""
     shown = min(count, columns * rows)
     return [int(round(k * count / shown)) for k in range(shown)]

@@ -184,6 +184,7 @@ def test_the_phantom(tmp_path, capsys):
     assert re.findall("<h2>(.*?)</h2>", page) == [
         "From a label volume to a shape model",
         "How right is it? Fine surfaces whose truth is known",
+        "How this was made",
     ]
     assert (
         page.count("phantom wall 02") == 2
@@ -294,7 +295,8 @@ def test_refusals_name_what_is_wrong(cycle, heart, tmp_path, capsys):
     assert "holds no mesh" in refusal(capsys, "run", tmp_path / "empty", "-o", out)
     assert "choose another" in refusal(capsys, "run", heart, "-o", tmp_path, code=2)
     (tmp_path / "file").touch()
-    assert "file: " in refusal(capsys, "run", heart, "-o", tmp_path / "file")
+    said = refusal(capsys, "run", heart, "-o", tmp_path / "file", code=2)
+    assert "file is a file: results go into a folder" in said
     opened = sp.Surface(
         cycle.surfaces[2].vertices, cycle.surfaces[2].faces[1:], cycle.surfaces[2].name
     )
@@ -385,7 +387,7 @@ def bars(monkeypatch):
 @pytest.mark.parametrize("pictures_too", [True, False])
 def test_a_bar_is_full_when_all_is_done(heart, tmp_path, bars, monkeypatch, pictures_too):
     for module, names in (
-        (pictures, ("landmarks_over_cycle", "maps_over_cycle", "root_and_sphere")),
+        (pictures, ("landmarks_on_surfaces", "maps_on_surfaces", "root_and_sphere")),
         (pictures, ("errors_over_phase",)),
         (model_pictures, ("modes", "measures", "scores", "volumes")),
     ):

@@ -118,11 +118,48 @@ def test_files_are_in_order_of_their_numbers(given, meant, tmp_path):
 
 
 def test_files_that_cannot_be_told_apart(tmp_path):
-    for name in ("a/x.ply", "b/x.ply"):
-        (tmp_path / name).parent.mkdir()
+    for name in ("x.ply", "x.stl"):
         (tmp_path / name).touch()
-    with pytest.raises(sp.FileError, match="same name"):
-        sp.mesh_files(tmp_path / "a", tmp_path / "b/x.ply")
+    for given in ([tmp_path], [tmp_path / "x.ply", tmp_path / "x.ply"]):
+        with pytest.raises(sp.FileError, match="same name"):
+            sp.mesh_files(*given)
+
+
+@pytest.mark.parametrize(
+    "files, names",
+    [
+        # One name everywhere: the folder's, up to where they differ.
+        (["a/x.ply", "b/x.ply"], ["a", "b"]),
+        (["a/seg/x.ply", "b/seg/x.ply"], ["a", "b"]),
+        (["a/1/x.ply", "a/2/x.ply", "b/1/x.ply"], ["a_1", "a_2", "b_1"]),
+        # Several names: only those that are there twice.
+        (["a/x.ply", "a/y.ply", "b/x.ply"], ["a_x", "y", "b_x"]),
+        (["a/x_1.ply", "a/x_2.ply", "a/x_10.ply"], ["x_1", "x_2", "x_10"]),
+    ],
+)
+def test_a_parent_folder_is_read_with_its_folders(files, names, tmp_path, cycle):
+    surface = cycle.surfaces[0]
+    for name in files:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        sp.write_ply(tmp_path / name, surface.vertices, surface.faces)
+    assert sp.mesh_files(tmp_path) == [tmp_path / name for name in files]
+    assert [surface.name for surface in sp.read_meshes(tmp_path)] == names
+
+
+def test_what_is_below_files_is_named_and_results_are_left_alone(tmp_path):
+    for name in ("x_1.ply", "old/x_1.ply", "__MACOSX/x_1.ply", ".trash/x_1.ply", "out/a/x_9.ply"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    (tmp_path / "out" / ".sphere-propagation.sha256").touch()
+    with pytest.warns(sp.SpherePropagationWarning, match="not what is in old; give") as said:
+        assert sp.mesh_files(tmp_path) == [tmp_path / "x_1.ply"]
+    assert len(said) == 1
+    (tmp_path / "x_1.ply").unlink()
+    assert sp.mesh_files(tmp_path) == [tmp_path / "old/x_1.ply"]
+    (tmp_path / "old/x_1.ply").unlink()
+    (tmp_path / "old/again").symlink_to(tmp_path)  # a circle ends somewhere
+    with pytest.raises(sp.FileError, match="holds no mesh"):
+        sp.mesh_files(tmp_path)
 
 
 def text(words):

@@ -147,7 +147,7 @@ def test_arrays_will_do(cycle):
 def test_the_whole_jobs_parameters_are_its_functions():
     """correspond() has those of the three functions that it has a say in, with their defaults."""
     found = keywords(sp.correspond)
-    assert set(found) - {"root_map", "progress"} == set(vars(parameters.DEFAULTS))
+    assert set(found) - {"root_map", "progress", "unit"} == set(vars(parameters.DEFAULTS))
     for function in (sp.parameterise_root, sp.propagate, sp.remesh):
         for name, default in keywords(function).items():
             assert found.get(name, default) == default
@@ -289,9 +289,9 @@ REFUSED = {
     "no surface": lambda c: sp.propagate([], c.root_map),
     "Layer 6 cannot be the root": lambda c: sp.propagate(c.surfaces, c.root_map, root_layer=6),
     "Layer -1 cannot": lambda c: sp.correspond(c.surfaces, root=-1),
-    "method must be one of 'Robust'": lambda c: sp.correspond(c.surfaces, method="robust"),
+    "method must be one of 'Robust'": lambda c: sp.correspond(c.surfaces, method="rigid"),
     "initial_map must be one of": lambda c: sp.correspond(c.surfaces, initial_map=""),
-    "order must be one of": lambda c: sp.correspond(c.surfaces, order="cyclic"),
+    "order must be one of": lambda c: sp.correspond(c.surfaces, order="cycle"),
     "area_weight must lie between": lambda c: sp.correspond(c.surfaces, area_weight=1.5),
     "area_restoration must lie between": lambda c: sp.correspond(
         c.surfaces, area_restoration=float("nan")

@@ -274,7 +274,7 @@ def test_pictures_number_the_phases_as_the_file_does(tmp_path, monkeypatch):
     shown = []
     monkeypatch.setattr(
         "sphere_propagation.gallery.show",
-        lambda results, title, text, sections, draw, steps: shown.extend(sections),
+        lambda results, title, text, sections, *more: shown.extend(sections),
     )
     job = ("run", tmp_path / "gap.nii", "-o", tmp_path / "out", "--skip-incomplete-phases")
     assert run(*job, *QUICKLY) == 0
@@ -343,7 +343,9 @@ def test_options_of_volumes_are_not_for_meshes(cycle, tmp_path, capsys):
     surface = cycle.surfaces[0]
     sp.write_ply(tmp_path / "mesh.ply", surface.vertices, surface.faces)
     assert run("run", tmp_path / "mesh.ply", "-o", tmp_path / "out", "--labels", "1") == 2
-    assert "no label volume among the files, to which labels could apply" in capsys.readouterr().err
+    assert (
+        "no label volume among the files, to which --labels could apply" in capsys.readouterr().err
+    )
 
 
 # ---------------------------------------------------------------- without the plugin

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""What a run tells: units, how it was made, landmarks in one file, pictures of phases and of
+shapes; the same words everywhere."""
+
+import csv
+import hashlib
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+from sphere_propagation import citation, command, gallery, model_pictures, parameters, pictures
+from sphere_propagation.views import Row
+
+
+def run(*arguments):
+    return command.main([str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def shapes(cycle, tmp_path):
+    """Three meshes that are no phases, by their names."""
+    folder = tmp_path / "shapes"
+    folder.mkdir()
+    for surface, name in zip(cycle.surfaces, ("ant", "bee", "fly")):
+        sp.write_ply(folder / f"{name}.ply", surface.vertices, surface.faces)
+    return folder
+
+
+@pytest.fixture
+def model(cycle):
+    return sp.shape_model(cycle.landmarks, cycle.landmark_faces)
+
+
+QUICKLY = ("--frequency", 2, "--no-pictures")
+
+
+def test_the_report_says_how_it_was_made(shapes, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    out = tmp_path / "out"
+    words = ("run", shapes, "-o", out, "--order", "Star", "--root", 1, "--alignment", "rigid")
+    assert run(*words, *QUICKLY) == 0
+    made = json.loads((out / "run.json").read_text())
+    assert made["command"].startswith("sphere-propagation run ") and "--root 1" in made["command"]
+    assert made["date"] == "1970-01-02T00:00:00+00:00"
+    assert made["root"] == "bee (--root 1)" and made["order"] == "Star"
+    assert made["alignment"] == "Rigid" and made["frequency"] == "2 (42 landmarks)"
+    assert sp.__version__ in made["version"] and sp.__version__ in made["cite the program"]
+    assert [Path(given["file"]).name for given in made["inputs"]] == [
+        "ant.ply",
+        "bee.ply",
+        "fly.ply",
+    ]
+    digest = hashlib.sha256((shapes / "ant.ply").read_bytes()).hexdigest()
+    assert made["inputs"][0]["sha256"] == digest
+    page = (out / "report.html").read_text()
+    for words in ("How this was made", digest, made["date"], "Kirschner", "bee (--root 1)"):
+        assert words in page
+
+
+def test_the_alignment_and_exports_reach_the_model(shapes, tmp_path):
+    out = tmp_path / "out"
+    words = ("run", shapes, "-o", out, "--alignment", "none", "--export", "h5,json,.ply,particles")
+    assert run(*words, *QUICKLY) == 0
+    with np.load(out / "shapes/landmarks.npz") as file:
+        landmarks = dict(file)
+    with np.load(out / "shapes/model.npz") as file:
+        found = file["mean"]
+    assert found == pytest.approx(landmarks["landmarks"].mean(0))  # nothing was aligned
+    made = {path.name for path in (out / "shapes").iterdir() if path.is_file()}
+    assert made >= {
+        f"model.{ending}" for ending in ("npz", "h5", "json", "ply", "particles", "csv")
+    }
+    assert {f"model_00{k}.particles" for k in range(3)} <= made
+    listed = (out / ".sphere-propagation.sha256").read_text()
+    assert "shapes/model_002.particles" in listed
+    assert run("run", shapes, "-o", out, *QUICKLY) == 0  # the next run takes them all away
+    assert not list((out / "shapes").glob("*.particles"))
+    with pytest.raises(SystemExit) as end:
+        run("run", shapes, "-o", out, "--export", "vtk")
+    assert end.value.code == 2
+
+
+def test_landmarks_are_one_file(cycle, tmp_path):
+    sp.write_landmarks(tmp_path / "all.npz", cycle)
+    with np.load(tmp_path / "all.npz") as file:
+        assert np.array_equal(file["landmarks"], cycle.landmarks)
+        assert np.array_equal(file["faces"], cycle.landmark_faces)
+        assert list(file["names"]) == [surface.name for surface in cycle.surfaces]
+        assert file["root"] == cycle.root and file["unit"] == "mm"
+    sp.write_landmarks(tmp_path / "all.csv", cycle)
+    with open(tmp_path / "all.csv", newline="") as file:
+        table = list(csv.DictReader(file))
+    assert len(table) == cycle.landmarks[..., 0].size
+    row = table[cycle.landmarks.shape[1] + 5]
+    assert row["shape"] == cycle.surfaces[1].name and row["landmark"] == "5"
+    assert [float(row[k]) for k in "xyz"] == pytest.approx(cycle.landmarks[1, 5])
+    with pytest.raises(sp.InputError, match=r"as \.npz or \.csv"):
+        sp.write_landmarks(tmp_path / "all.txt", cycle)
+
+
+def test_the_unit_is_a_word_everywhere(shapes, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("run", shapes, "-o", out, "--unit", "cm", *QUICKLY) == 0
+    said = capsys.readouterr().out
+    assert "residual, cm" in said and "cm from the surfaces" in said and " mm" not in said
+    page = (out / "report.html").read_text()
+    assert "residual, cm" in page and "specificity, cm" in page and ", mm" not in page
+    with open(out / "figures.csv", newline="") as file:
+        assert {row["unit"] for row in csv.DictReader(file)} == {"cm"}
+    with np.load(out / "shapes/landmarks.npz") as file:
+        assert file["unit"] == "cm"
+    assert run("run", shapes, "-o", out, "--unit", "square mm", *QUICKLY) == 2
+    assert "error: --unit must be a short word" in capsys.readouterr().err
+
+
+def test_volumes_and_meshes_are_not_mixed_unless_it_is_said(shapes, tmp_path, capsys):
+    volume = tmp_path / "scan.nii.gz"
+    sp.write_nifti(volume, *sp.Ventricle("Cavity", 2).scan())
+    out = tmp_path / "out"
+    given = ("run", shapes, volume, "-o", out, *QUICKLY)
+    assert run(*given) == 2
+    said = capsys.readouterr().err
+    assert "label volumes (scan.nii.gz) and meshes (ant.ply and 2 others)" in said
+    assert "--mixed" in said and not out.exists()
+    assert run(*given, "--mixed") == 0
+    with open(out / "figures.csv", newline="") as file:
+        assert len(list(csv.DictReader(file))) == 5
+    assert run("run", volume, "-o", out, "--unit", "cm") == 2
+    assert "--unit cm is for meshes" in capsys.readouterr().err
+
+
+def test_volumes_of_one_name_are_called_by_their_folders(tmp_path):
+    for name in ("p1", "p2"):
+        (tmp_path / "in" / name).mkdir(parents=True)
+        scan = sp.Ventricle("Cavity", 1, int(name[1])).scan()
+        sp.write_nifti(tmp_path / "in" / name / "seg.nii", *scan)
+    assert run("run", tmp_path / "in", "-o", tmp_path / "out", *QUICKLY) == 0
+    made = sorted(path.name for path in (tmp_path / "out/in/surfaces").iterdir())
+    assert [name[:2] for name in made] == ["p1", "p2"] and "seg" not in made[0]
+
+
+def words_of(figure_words, monkeypatch):
+    """All texts of the figures that are saved within."""
+    monkeypatch.setattr(
+        pictures,
+        "save",
+        save := lambda figure, path: figure_words.extend(
+            text.get_text() for text in figure.findobj(lambda part: hasattr(part, "get_text"))
+        ),
+    )
+    monkeypatch.setattr(model_pictures, "save", save)
+
+
+def test_pictures_of_shapes_speak_of_shapes(cycle, model, tmp_path, monkeypatch):
+    said = []
+    words_of(said, monkeypatch)
+    named = [replace(s, name=name) for s, name in zip(cycle.surfaces, "ABCDEF")]
+    row = Row("insects", replace(cycle, surfaces=named, order="Similarity tree"))
+    model = replace(model, names=list("ABCDEF"))
+    section = gallery.Section([row], [], model=model)
+    captions = [drawing.caption(section) for drawing in gallery._drawings(section.kinds)]
+    for drawing in gallery._drawings(section.kinds):
+        drawing.draw(section, tmp_path / "x.png")
+    whole = "\n".join(said + captions)
+    assert not re.search(r"phase|cycle|eject|way through", whole)
+    assert set("ABCDEF") <= set(said) and "Volume of the shapes" in said
+    for words in ("root sd", "upside down"):
+        assert words in whole
+
+
+def test_phases_have_a_key_to_their_colours(cycle, model, tmp_path, monkeypatch):
+    said = []
+    words_of(said, monkeypatch)
+    model_pictures.scores(Row("heart", cycle), model, tmp_path / "x.png")
+    assert said.count("phase") == 2  # below the curves, and beside the colours
+    assert Row("heart", cycle).timed and Row("heart", cycle).caption(2).endswith(" ml")
+    assert not Row("heart", replace(cycle, order="Given")).timed
+
+
+def test_many_shapes_have_histograms(cycle, tmp_path):
+    count = 60
+    generator = np.random.default_rng(0)
+    points = cycle.landmarks[0] + generator.normal(size=(count, *cycle.landmarks[0].shape))
+    model = sp.shape_model(points, cycle.landmark_faces, specificity_samples=1)
+    many = replace(cycle, surfaces=cycle.surfaces * 10, order="Star")
+    for draw in (
+        lambda path: model_pictures.scores(Row("many", many), model, path),
+        lambda path: model_pictures.volumes(Row("many", many), path),
+    ):
+        draw(tmp_path / "x.png")
+        assert (tmp_path / "x.png").stat().st_size > 1000
+
+
+def test_one_scene_is_rendered_once_per_picture(cycle, tmp_path, monkeypatch):
+    import pyvista
+
+    made = []
+    plotter = pyvista.Plotter
+    monkeypatch.setattr(
+        pyvista, "Plotter", lambda *given, **more: made.append(1) or plotter(*given, **more)
+    )
+    pictures.maps_on_surfaces([Row("heart", cycle)], tmp_path / "x.png")
+    assert len(made) == 1
+
+
+def test_the_checkerboard_shows_the_maps_own_places(cycle, tmp_path):
+    """The colour in the middle of a face is the pattern's there, in all three charts."""
+    surface = cycle.surfaces[0]
+    size = 400
+    for up in ([0, 0, 1], [1, 0, 0], [0, 0, -1]):
+        # The sphere of the map itself, seen from `up`.
+        other = np.linalg.svd(np.array([up], float))[2][1:]
+        rotation = np.array([other[0], np.cross(up, other[0]), up])
+        scene = pictures.Scene(size, size)
+        panel = scene.panel((0, 0, size, size), rotation, np.zeros(3), 180)
+        positions = cycle.maps[0].positions
+        panel.checkerboard(positions, surface.faces, positions, spherical=True)
+        image = scene.parts([(0, 0, size, size)])[0].astype(float)
+        x, y = (grid.ravel() for grid in np.meshgrid(*2 * [np.linspace(-0.6, 0.6, 61)]))
+        seen = np.c_[x, y, np.sqrt(1 - x**2 - y**2)] @ rotation
+        colors = pictures.map_colors(*pictures.sphere_coordinates(seen))
+        found = image[np.round(199.5 - 180 * y).astype(int), np.round(199.5 + 180 * x).astype(int)]
+        # Light changes how bright they are, not their hue nor which of two is darker.
+        share = found.sum(1) / colors.sum(1)
+        near = np.abs(share / np.median(share) - 1) < 0.6
+        assert near.mean() > 0.9
+        hue = found / found.sum(1, keepdims=True) - colors / colors.sum(1, keepdims=True)
+        assert np.median(np.abs(hue)) < 0.03
+
+
+def test_pictures_are_drawings_too_on_request(shapes, tmp_path):
+    out = tmp_path / "out"
+    words = ("run", shapes, "-o", out, "--frequency", 2, "--picture-format", "svg,pdf")
+    assert run(*words) == 0
+    stems = {path.stem for path in out.glob("*.png")}
+    assert {path.stem for path in out.glob("*.svg")} == stems == {p.stem for p in out.glob("*.pdf")}
+    assert (out / "volume.pdf").read_bytes().startswith(b"%PDF")
+    assert "<svg" in (out / "volume.svg").read_text()
+
+
+@pytest.mark.parametrize("word", ["cyclic", "Cyclic time", "CYCLIC", "cyclic-time"])
+def test_orders_have_the_same_names_everywhere(word, cycle, shapes, tmp_path):
+    assert sp.correspond(cycle.surfaces[:3], order=word, frequency=2).order == "Cyclic time"
+    found = sp.propagate(cycle.surfaces[:3], cycle.root_map, order=word)
+    assert found.branch_distance is not None
+    out = tmp_path / "out"
+    assert run("run", shapes, "-o", out, "--order", word, *QUICKLY) == 0
+    assert json.loads((out / "run.json").read_text())["order"] == "Cyclic time"
+
+
+def test_every_choice_is_understood_in_any_case():
+    for name, choices in parameters.NAMED.items():
+        for choice in choices:
+            assert parameters.in_full(name, choice.lower()) == choice
+            assert parameters.in_full(name, choice.upper().replace(" ", "_")) == choice
+        assert parameters.in_full(name, "nothing") == "nothing"
+    assert parameters.in_full("method", "published") == "As published"
+    assert parameters.in_full("labels", "similarity") == "similarity"
+
+
+@pytest.mark.parametrize("command_name", ["run", "demo", "convert", "info", None])
+def test_help_has_an_example(command_name, capsys):
+    with pytest.raises(SystemExit) as end:
+        run(*filter(None, [command_name]), "--help")
+    assert end.value.code == 0
+    said = capsys.readouterr().out
+    assert re.search(r"^examples?:\n  sphere-propagation \w+", said, re.M)
+
+
+def test_results_are_one_line(cycle, model):
+    phantom = sp.read_label_volume(sp.Ventricle("Cavity", 1).scan())
+    landmarks = sp.remesh(cycle.surfaces[:1], cycle.maps[:1], frequency=2)
+    for result, words in (
+        (cycle, "6 surfaces, 162 landmarks"),
+        (cycle.surfaces[0], "'phantom cavity 00'"),
+        (cycle.maps[0], "0 flipped"),
+        (model, "6 shapes, 162 landmarks, 5 modes"),
+        (sp.propagate(cycle.surfaces[:2], cycle.root_map), "2 maps"),
+        (landmarks, "1 x 42 points"),
+        (phantom, "1 surface, "),
+        (sp.prepare(cycle.surfaces[0]), "PreparedSurface(Surface("),
+    ):
+        text = repr(result)
+        assert words in text and "\n" not in text and len(text) < 160, text
+
+
+def test_the_citation_is_that_of_the_file():
+    text = (Path(__file__).resolve().parents[2] / "CITATION.cff").read_text()
+    assert f"\nversion: {sp.__version__}\n" in text
+    assert "cff-version: 1.2.0" in text and "Kirschner" in text
+    title = re.search(r'title: "(Propagation of shape[^"]+)"', text)[1]
+    assert title in citation.PAPER
