@@ -3,13 +3,14 @@
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build library core plugin volumes gui benchmarks python pymeshlab
-#                                  pictures format lint meshlab (2020.09, and what its GUI needs without a
-#                                  display)
+#                                  pictures format lint cache meshlab (2020.09, and what its GUI needs without
+#                                  a display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
 #   require_python [PURPOSE]       sets PYTHON, the interpreter of an environment with requirements.txt (or
 #                                  requirements-PURPOSE.txt) installed from a wheelhouse, which sets WHEELHOUSE
 #   build_preset PRESET [TARGET..] configures where needed, builds; needs the two first
+#   use_compiler_cache             builds configured from here on compile nothing twice
 #   plugin_path PRESET             where build_preset puts the plugin
 #
 # All of them are quick when there is nothing to do. Only the cache folder and build/ are written to, beside packages.
@@ -67,6 +68,7 @@ packages_for() {
       pictures)   echo libegl1 ;;
       meshlab)    echo meshlab xvfb xauth libgl1-mesa-dri ;;
       format)     echo clang-format ;;
+      cache)      echo ccache ;;
       lint)       echo clang-format clang-tidy ;;
       *)          die "packages_for: no purpose '$purpose'" ;;
     esac
@@ -408,6 +410,12 @@ build_preset() {
   local build=(cmake --build "$dir" ${targets[@]+"${targets[@]}"})
   if [ ! -t 1 ]; then build=(logged "$dir/build.log" "${build[@]}"); fi
   "${build[@]}" || die "the build of $preset failed"
+}
+
+# Where there is ccache, and no launcher of the caller's. The library of two presets with the same flags is compiled once.
+use_compiler_cache() {
+  [ -z "${CMAKE_CXX_COMPILER_LAUNCHER-}" ] && command -v ccache >/dev/null || return 0
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=$cache_dir/ccache CCACHE_BASEDIR=$project_root CCACHE_NOHASHDIR=1
 }
 
 is_configured() {
