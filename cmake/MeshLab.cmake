@@ -82,6 +82,7 @@ function(add_meshlab_plugin NAME)
   embed_texts(${NAME} ${CMAKE_CURRENT_SOURCE_DIR}/help)
   set_target_properties(${NAME} PROPERTIES
     AUTOMOC ON
+    AUTOGEN_ORIGIN_DEPENDS OFF # moc needs no library to be built
     SKIP_BUILD_RPATH ON
     LINK_DEPENDS ${MESHLAB_PLUGIN_EXPORTS}
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugins)
