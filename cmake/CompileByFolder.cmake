@@ -24,3 +24,16 @@ function(compile_by_folder TARGET)
   endforeach()
   set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ${SPHERE_PROPAGATION_COMPILE_BY_FOLDER} UNITY_BUILD_MODE GROUP)
 endfunction()
+
+# compile_tests_by_folder(TARGET): the same for tests, which lie side by side: those of one folder's sources are one, as the header
+# that each of them includes first tells. What they share is compiled file by file.
+function(compile_tests_by_folder TARGET)
+  get_target_property(sources ${TARGET} SOURCES)
+  foreach(source ${sources})
+    file(STRINGS ${source} tested REGEX "^#include \"" LIMIT_COUNT 1)
+    if(source MATCHES "_test\\.cpp$" AND tested MATCHES "^#include \"vcg_ext/([^/]+)/")
+      set_source_files_properties(${source} TARGET_DIRECTORY ${TARGET} PROPERTIES UNITY_GROUP tests_of_${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ${SPHERE_PROPAGATION_COMPILE_BY_FOLDER} UNITY_BUILD_MODE GROUP)
+endfunction()

@@ -13,8 +13,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 using Corners = std::array<Vector3, 3>;
 using Frames = std::array<std::array<Vector3, 2>, 3>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -16,7 +16,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using test::pi;
 
 bool isPole(const Poles& poles, int v) { return v == poles.north || v == poles.south; }
 

@@ -13,8 +13,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 TEST(Certificate, AcceptsSpheres) {
   for (const Mesh& mesh :
        {tetrahedron(), octahedron(), icosahedron(), icosphereMesh(10), bipyramid(3), rings(1e-6)})

@@ -7,11 +7,12 @@
 #include <Eigen/Geometry>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 using test::Mesh;
 

@@ -14,8 +14,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 /// Collects vertices and faces.
 struct Builder {
   std::vector<Vector3> vertices;

@@ -11,8 +11,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 TEST(MapMeasures, IdentityOfARegularSolid) {
   for (const Mesh& mesh : {tetrahedron(), octahedron(), icosahedron()}) {
     const MapMeasures measures =

@@ -20,7 +20,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using test::pi;
 
 /// radius - |x - centre|, on a grid that holds the sphere with room to spare.
 ScalarGrid sphereGrid(double radius, double h, const Vector3& centre) {

@@ -10,16 +10,17 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 /// A shape without any plane of symmetry, which shrinks a little from phase to phase, each in a
 /// mesh of its own.
-ClosedSurface phaseOf(int phase, bool mirrored = false) {
+ClosedSurface phaseOfHand(int phase, bool mirrored = false) {
   test::Mesh mesh = test::transformed(test::icosphereMesh(9 + phase % 2),
                                       test::randomRotation(20 + phase), 1, Vector3::Zero());
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
@@ -35,7 +36,7 @@ ClosedSurface phaseOf(int phase, bool mirrored = false) {
 std::vector<ClosedSurface> sides(const std::string& text) {
   std::vector<ClosedSurface> surfaces;
   for (size_t i = 0; i < text.size(); ++i)
-    surfaces.push_back(phaseOf(static_cast<int>(i), text[i] == 'l'));
+    surfaces.push_back(phaseOfHand(static_cast<int>(i), text[i] == 'l'));
   return surfaces;
 }
 
@@ -47,7 +48,7 @@ std::string found(const std::string& text, const PropagationTree& tree) {
 }
 
 TEST(Mirroring, TheImageIsOutwardAndTwiceIsNothing) {
-  const ClosedSurface surface = phaseOf(0), image = mirrorImage(surface, 3);
+  const ClosedSurface surface = phaseOfHand(0), image = mirrorImage(surface, 3);
   EXPECT_EQ(image.vertices().col(0), (6 - surface.vertices().col(0).array()).matrix());
   EXPECT_EQ(image.vertices().rightCols(2), surface.vertices().rightCols(2));
   EXPECT_NEAR(enclosedVolume(image.vertices(), image.faces()),

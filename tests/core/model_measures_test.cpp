@@ -13,9 +13,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-ShapeModel modelOf(const std::vector<Points>& shapes) {
-  return buildShapeModel(test::trainingSet(shapes, test::ellipsoidFaces()));
-}
+using test::modelOf;
 
 /// mean + c_k u, |u| = 1, for each c.
 std::vector<Points> onALine(const std::vector<double>& c) {

@@ -6,18 +6,19 @@
 #include <Eigen/Dense>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 #include "vcg_ext/propagation/motion/motion_learning.h"
 
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 /// An ellipsoid on a mesh of its own for each phase, moved as a whole by `shift` per phase.
-struct Phases {
+struct BreathingPhases {
   std::vector<ClosedSurface> surfaces;
   Points rootMap;
-  Phases(int layers, const Vector3& shift, double breathing) {
+  BreathingPhases(int layers, const Vector3& shift, double breathing) {
     for (int i = 0; i < layers; ++i) {
       test::Mesh mesh = test::transformed(test::icosphereMesh(7 + i % 2),
                                           test::randomRotation(40 + i), 1, Vector3::Zero());
@@ -32,7 +33,7 @@ struct Phases {
 };
 
 TEST(MotionFit, RecoversATranslation) {
-  const Phases sequence(2, Vector3(2, -1, 1), 0);
+  const BreathingPhases sequence(2, Vector3(2, -1, 1), 0);
   const MotionModel model = sequence.model();
   MotionVariances variances{1e-6, 10, 1e-6, 1e-6};
   const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0),
@@ -43,7 +44,7 @@ TEST(MotionFit, RecoversATranslation) {
 }
 
 TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
-  const Phases sequence(6, Vector3(1, 0, 0), 0.3);
+  const BreathingPhases sequence(6, Vector3(1, 0, 0), 0.3);
   const MotionModel model = sequence.model();
   const MotionFit fit =
       fitMotion(model, sequence.surfaces, timeOrder(6, 0), fixedMotionPrior(), pool);
@@ -59,7 +60,7 @@ TEST(MotionFit, MovesTheSurfaceOntoTheLayer) {
 }
 
 TEST(MotionFit, SaysWhichLayersItLoses) {
-  Phases sequence(4, Vector3::Zero(), 0.1);
+  BreathingPhases sequence(4, Vector3::Zero(), 0.1);
   Points far = sequence.surfaces[2].vertices();
   far.rowwise() += Eigen::RowVector3d(500, 0, 0);
   sequence.surfaces[2] = ClosedSurface(far, sequence.surfaces[2].faces(), "far away");
@@ -73,7 +74,7 @@ TEST(MotionFit, SaysWhichLayersItLoses) {
 }
 
 TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
-  const Phases sequence(2, Vector3(0, 0, 0), 0.2);
+  const BreathingPhases sequence(2, Vector3(0, 0, 0), 0.2);
   const MotionModel model = sequence.model();
   const MotionPrior prior = fixedMotionPrior();
   const MotionFit fit = fitMotion(model, sequence.surfaces, star(2, 0), prior, pool);
@@ -85,7 +86,7 @@ TEST(MotionFit, EquationsAreThoseOfTheLastIteration) {
 }
 
 TEST(MotionFit, AnEarlierFitSavesAnIteration) {
-  const Phases sequence(3, Vector3(1, 0, 0), 0.2);
+  const BreathingPhases sequence(3, Vector3(1, 0, 0), 0.2);
   const MotionModel model = sequence.model();
   const Sequence targets(sequence.surfaces);
   const MotionPrior prior = fixedMotionPrior();
@@ -105,7 +106,7 @@ TEST(MotionFit, AnEarlierFitSavesAnIteration) {
 }
 
 TEST(MotionFit, KeepsTheFactorOfItsSystem) {
-  const Phases sequence(2, Vector3(1, 0, 0), 0.2);
+  const BreathingPhases sequence(2, Vector3(1, 0, 0), 0.2);
   const MotionPrior prior = fixedMotionPrior();
   const MotionFit fit = fitMotion(sequence.model(), sequence.surfaces, star(2, 0), prior, pool);
   const Eigen::MatrixXd system = fit.equations[1].matrix + prior.precision;
@@ -120,8 +121,8 @@ TEST(MotionPrior, TheFixedOneIsDiagonal) {
 }
 
 TEST(MotionPrior, LearnsThatASequenceTravels) {
-  const Phases staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
-  const auto learnt = [](const Phases& sequence) {
+  const BreathingPhases staying(14, Vector3::Zero(), 0.25), travelling(14, Vector3(2, 1, 0), 0.25);
+  const auto learnt = [](const BreathingPhases& sequence) {
     return learnMotionPrior(sequence.model(), sequence.surfaces, cyclicTimeOrder(14, 0), pool);
   };
   const LearntPrior still = learnt(staying), moved = learnt(travelling);

@@ -6,11 +6,12 @@
 #include <Eigen/Dense>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 /// A contracting ellipsoid, images of one sphere: the map of each phase is known.
 struct Contraction {

@@ -23,7 +23,7 @@ ProcrustesParameters with(Alignment alignment, bool areaWeights = false) {
 
 double size(const Points& points) { return (points.rowwise() - points.colwise().mean()).norm(); }
 
-double largestDifference(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); }
+using test::largestDifference;
 
 /// Each shape somewhere else; where not rigid, in another size too.
 std::vector<Points> scattered(std::vector<Points> shapes, bool rigid, unsigned seed) {

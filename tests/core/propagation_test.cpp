@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 #include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/propagation/aligned/aligned_propagation.h"
@@ -18,7 +19,7 @@
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 using test::largestDistance;
 using test::Mesh;

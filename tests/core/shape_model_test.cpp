@@ -13,11 +13,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-ShapeModel modelOf(const std::vector<Points>& shapes) {
-  return buildShapeModel(test::trainingSet(shapes, test::ellipsoidFaces()));
-}
-
-double largestDifference(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); }
+using test::largestDifference;
+using test::modelOf;
 
 TEST(ShapeModel, HasTheEigenvaluesOfTheCovariance) {
   const auto shapes = test::ellipsoids(7, 1);

@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_pool.h"
 #include "vcg_ext/base/error.h"
 
 namespace sphere_propagation {
 namespace {
 
-ThreadPool pool(2);
+using test::pool;
 
 using test::Mesh;
 

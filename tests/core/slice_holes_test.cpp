@@ -23,8 +23,8 @@ Mask maskOf(const std::vector<std::vector<std::string>>& slices) {
 
 const std::vector<std::string> ring{"........", ".####...", ".#..#...",
                                     ".#..#...", ".####...", "........"};
-const std::vector<std::string> moved{"........", "...####.", "...#..#.",
-                                     "...#..#.", "...####.", "........"};  // by its width
+const std::vector<std::string> movedRing{"........", "...####.", "...#..#.",
+                                         "...#..#.", "...####.", "........"};  // by its width
 const std::vector<std::string> aside{"........", "..####..", "..#..#..",
                                      "..#..#..", "..####..", "........"};
 const std::vector<std::string> disc{"........", "........", "..##....",
@@ -59,7 +59,7 @@ TEST(SliceHoles, NeedNoWallThickerThanADiagonal) {
 }
 
 TEST(SliceHoles, LeadThroughWhereTheyOverlapOrAreClosed) {
-  const SliceHoles holes(maskOf({ring, aside, disc, open, moved, nothing, ring}));
+  const SliceHoles holes(maskOf({ring, aside, disc, open, movedRing, nothing, ring}));
   EXPECT_TRUE(holes.leadThrough(0, 1) && holes.leadThrough(1, 0));   // overlap
   EXPECT_TRUE(holes.leadThrough(0, 2) && holes.leadThrough(2, 0));   // closed by the disc
   EXPECT_FALSE(holes.leadThrough(0, 3) || holes.leadThrough(3, 0));  // opens to the side

@@ -12,8 +12,6 @@
 namespace sphere_propagation::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 void reverse(Mesh& mesh, int face) { std::swap(mesh.faces(face, 1), mesh.faces(face, 2)); }
 
 void append(Mesh& mesh, const Vector3& vertex) {

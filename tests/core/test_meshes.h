@@ -11,6 +11,8 @@
 
 namespace sphere_propagation::test {
 
+inline constexpr double pi = 3.14159265358979323846;
+
 struct Mesh {
   Points vertices;
   Triangles faces;

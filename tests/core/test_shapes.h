@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/model/shape_model.h"
 #include "vcg_ext/model/training_set.h"
 
 namespace sphere_propagation::test {
@@ -36,6 +37,15 @@ inline std::vector<Points> ellipsoids(int count, unsigned seed, double noise = 0
 }
 
 inline Triangles ellipsoidFaces() { return icosphereMesh(4).faces; }
+
+/// The model of `ellipsoids`.
+inline ShapeModel modelOf(const std::vector<Points>& shapes) {
+  return buildShapeModel(trainingSet(shapes, ellipsoidFaces()));
+}
+
+inline double largestDifference(const Points& a, const Points& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
 
 inline Points moved(const Points& points, const Eigen::Matrix3d& rotation, double scale,
                     const Vector3& translation) {

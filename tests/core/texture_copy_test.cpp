@@ -11,7 +11,7 @@
 namespace sphere_propagation::test {
 namespace {
 
-struct Copied {
+struct ReadBack {
   TextureCopy copy;
   Points positions;  ///< read back
   double farthest;   ///< from the original
@@ -19,9 +19,9 @@ struct Copied {
 };
 
 /// A mesh on the sphere as its own map, written and read back.
-Copied throughTexture(const Mesh& mesh) {
+ReadBack throughTexture(const Mesh& mesh) {
   const ClosedSurface surface(mesh.vertices, mesh.faces);
-  Copied result;
+  ReadBack result;
   result.copy = copyToTexture(MappedSurface(surface, mesh.vertices));
   result.positions = positionsFromTexture(result.copy.numbers);
   result.farthest = (result.positions - mesh.vertices).rowwise().norm().maxCoeff();
@@ -37,7 +37,7 @@ TEST(TextureCopy, OrdinaryMapsNeedNoMending) {
   // across it.
   for (const Mesh& mesh : {octahedron(), icosahedron(), icosphereMesh(10), bipyramid(7)})
     for (unsigned seed = 0; seed < 4; ++seed) {
-      const Copied copied = throughTexture(
+      const ReadBack copied = throughTexture(
           seed == 0 ? mesh : transformed(mesh, randomRotation(seed), 1, Vector3::Zero()));
       EXPECT_TRUE(copied.copy.valid);
       EXPECT_EQ(copied.copy.mendedVertices, 0);
@@ -52,14 +52,14 @@ TEST(TextureCopy, VerticesBesideTheDateLineAndThePoles) {
     mesh.vertices.row(0) = Eigen::RowVector3d(1, -off, 0).normalized();
     mesh.vertices.row(4) = Eigen::RowVector3d(-off, off, 1).normalized();
     mesh.vertices.row(5) = Eigen::RowVector3d(off, -off, -1).normalized();
-    const Copied copied = throughTexture(mesh);
+    const ReadBack copied = throughTexture(mesh);
     EXPECT_TRUE(copied.copy.valid);
     EXPECT_LT(copied.farthest, 4e-7);
   }
 }
 
 TEST(TextureCopy, TinyFacesAtThePoleKeepTheirDigits) {
-  const Copied copied = throughTexture(rings(1e-6));
+  const ReadBack copied = throughTexture(rings(1e-6));
   EXPECT_TRUE(copied.copy.valid);
   EXPECT_EQ(copied.copy.mendedVertices, 0);
 }
@@ -70,7 +70,7 @@ TEST(TextureCopy, MendsWhatRoundingFlips) {
   int mended = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Mesh mesh = transformed(rings(2.5e-7), randomRotation(seed), 1, Vector3::Zero());
-    const Copied copied = throughTexture(mesh);
+    const ReadBack copied = throughTexture(mesh);
     if (copied.copy.mendedVertices == 0) continue;
     mended += copied.copy.valid;
     EXPECT_LT(copied.farthest, 1e-5);

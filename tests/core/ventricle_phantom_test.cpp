@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -16,7 +17,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using test::pi;
 using Part = PhantomParameters::Part;
 
 VentriclePhantom phantom(Part part, unsigned seed = 0, double twist = 0, double voxelSize = 2,
