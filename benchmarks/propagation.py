@@ -18,7 +18,9 @@ Table 1 run again.
             data/classic, data/finch_skulls)
 
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
-cyclic order. CPU: seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's
+cyclic order. Beside the methods stands what no model is needed for, the closest-point walk: from
+phase to phase, both ways from the root, each landmark goes to the closest point of the next
+surface. CPU: seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's
 Laplacian. The least of three runs, of a peer one.
 """
 
@@ -93,6 +95,19 @@ def run_peer(peer, root_map, files, measure):
             for file in sorted(Path(folder).glob("landmarks_*.ply"))
         ]
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, landmarks
+
+
+def closest_point_walk(measure, files, first):
+    """Landmarks, layer by layer. first: those on the root, layer 0."""
+    count = len(files)
+    landmarks = [first] * count
+    forward, back = range(1, count // 2 + 1), range(count - 1, count // 2, -1)
+    for t, before in [(t, t - 1) for t in forward] + [(t, (t + 1) % count) for t in back]:
+        vertex, f = measure.read_ply(files[t])
+        v = measure.points(vertex)
+        face, weights, _ = measure.closest_points(v, f, landmarks[before])
+        landmarks[t] = np.einsum("pk,pkj->pj", weights, v[f[face]])
+    return landmarks
 
 
 def table(heads):
@@ -223,23 +238,16 @@ def sequences(options, measure, phantom, folder):
                     error_text([errors(landmarks)] if errors else []),
                 ]
             )
+        others = {}
+        if errors:
+            walk = closest_point_walk(measure, files, landmarks[0])
+            others["closest-point walk"] = "", walk
         if options.peer:
             seconds, landmarks = run_peer(options.peer, root_map, files, measure)
-            row(
-                [
-                    name,
-                    str(len(files)),
-                    "peer",
-                    "",
-                    "",
-                    f"{seconds:.2f} s = {seconds / figures['u']:.0f} u",
-                    "",
-                    "",
-                    "",
-                    "",
-                    error_text([errors(landmarks)] if errors else []),
-                ]
-            )
+            others["peer"] = f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", landmarks
+        for label, (cpu, landmarks) in others.items():
+            cells = [name, str(len(files)), label, "", "", cpu, "", "", "", ""]
+            row([*cells, error_text([errors(landmarks)] if errors else [])])
 
 
 def voxel_for(phantom, vertices):
@@ -359,10 +367,13 @@ def other(options, measure, phantom, folder):
         made_motions.WarpedSurface(surface("finch_skulls/G.ConirostrisE.ply"), seed)
         for seed in (1, 2)
     ]
-    table(["moves", "how many", "R", *METHODS.values(), *(["peer"] if options.peer else [])])
+    columns = {**METHODS, "walk": "closest-point walk"}
+    if options.peer:
+        columns["peer"] = "peer"
+    table(["moves", "how many", "R", *columns.values()])
     root_map = str(folder / "root_map.ply")
     for name, motions in groups.items():
-        found = {method: [] for method in (*METHODS, "peer")}
+        found = {column: [] for column in columns}
         radii = []
         for k, motion in enumerate(motions):
             place = folder / f"{name} {k}".replace(" ", "_")
@@ -373,24 +384,24 @@ def other(options, measure, phantom, folder):
                 phantom.write_ply(file, *made_motions.meshed(motion, t, 3500, random))
             v, f = motion.at(0)
             radii.append(np.sqrt(measure.triangle_areas(v, f).sum() / (4 * np.pi)))
+            landmarks = {}
             for method in METHODS:
                 made = run(options, files, method, repeat=1, root_map=root_map, may_fail=True)
                 if made:
-                    found[method].append(
-                        made_motions.errors(motion, made[1], measure.closest_points)
-                    )
+                    landmarks[method] = made[1]
+            if landmarks:  # the root's are the same whatever the method
+                first = next(iter(landmarks.values()))[0]
+                landmarks["walk"] = closest_point_walk(measure, files, first)
             if options.peer:
-                landmarks = run_peer(options.peer, root_map, files, measure)[1]
-                found["peer"].append(made_motions.errors(motion, landmarks, measure.closest_points))
+                landmarks["peer"] = run_peer(options.peer, root_map, files, measure)[1]
+            for column, there in landmarks.items():
+                found[column].append(made_motions.errors(motion, there, measure.closest_points))
         row(
             [
                 name,
                 str(len(motions)),
                 f"{np.mean(radii):.1f}",
-                *(
-                    error_text(found[method], len(motions))
-                    for method in (*METHODS, *(["peer"] if options.peer else []))
-                ),
+                *(error_text(found[column], len(motions)) for column in columns),
             ]
         )
 
