@@ -75,6 +75,43 @@ TEST(Outliers, NamesSeveral) {
   EXPECT_EQ(outliers[2].shape, 11u);
 }
 
+TEST(Outliers, NameTheFewerOfTwoUnits) {
+  for (const double factor : {0.1, 25.4, 1000.0})
+    for (const size_t odd : {3, 5, 7}) {
+      auto shapes = test::ellipsoids(15, 40);
+      for (size_t k = 0; k < odd; ++k) shapes[2 * k] *= factor;
+      const std::vector<Outlier> outliers = outliersOf(shapes);
+      ASSERT_EQ(outliers.size(), odd) << factor;
+      for (size_t k = 0; k < odd; ++k) {
+        EXPECT_EQ(outliers[k].shape, 2 * k);
+        EXPECT_EQ(outliers[k].kind, Outlier::Kind::Size);
+        EXPECT_EQ(outliers[k].units, factor < 1 ? 10 : factor);
+      }
+    }
+  auto shapes = test::ellipsoids(8, 41);  // of equals the first shape is right
+  for (const size_t k : {1, 2, 5, 7}) shapes[k] /= 10;
+  ASSERT_EQ(outliersOf(shapes).size(), 4u);
+  EXPECT_EQ(outliersOf(shapes)[0].shape, 1u);
+  shapes = test::ellipsoids(12, 42);  // three units
+  for (const size_t k : {0, 1, 2}) shapes[k] *= 10;
+  for (const size_t k : {3, 4, 5, 6}) shapes[k] /= 100;
+  EXPECT_EQ(outliersOf(shapes).size(), 7u);
+}
+
+TEST(Outliers, NameUpToHalfOfTheShapesWhereLandmarksAreShuffled) {
+  auto shapes = test::ellipsoids(21, 43);
+  for (unsigned k = 0; k < 9; ++k) shuffle(shapes[2 * k], 50 + k);
+  const std::vector<Outlier> outliers = outliersOf(shapes);
+  ASSERT_EQ(outliers.size(), 9u);
+  for (size_t k = 0; k < 9; ++k) EXPECT_EQ(outliers[k].shape, 2 * k);
+  // Two kinds of one organ are none, however many of each.
+  for (const size_t fewer : {3, 6, 10}) {
+    shapes = test::ellipsoids(21, 44);
+    for (size_t k = 0; k < fewer; ++k) shapes[k].col(2) *= 1.5;
+    for (const Outlier& outlier : outliersOf(shapes)) ADD_FAILURE() << fewer << outlier.shape;
+  }
+}
+
 TEST(Outliers, AreNotThereInNaturalPopulations) {
   for (const Alignment alignment : alignments) {
     for (unsigned seed = 0; seed < 5; ++seed)

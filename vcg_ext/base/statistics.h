@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,25 @@ inline double medianOf(std::vector<double> samples) {
   std::nth_element(samples.begin(), middle, samples.end());
   if (samples.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(samples.begin(), middle)) / 2;
+}
+
+/// The sample below which this share of the others lies, of two the lower one. samples: at least
+/// one; share: 0 to 1.
+inline double lowerQuantileOf(std::vector<double> samples, double share) {
+  const auto at = samples.begin() +
+                  static_cast<std::ptrdiff_t>(share * static_cast<double>(samples.size() - 1));
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+/// The same, linear between the two.
+inline double quantileOf(std::vector<double> samples, double share) {
+  const double rank = share * static_cast<double>(samples.size() - 1);
+  const auto below = samples.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(samples.begin(), below, samples.end());
+  const double above =
+      below + 1 < samples.end() ? *std::min_element(below + 1, samples.end()) : *below;
+  return *below + (rank - static_cast<double>(below - samples.begin())) * (above - *below);
 }
 
 struct RobustSpread {

@@ -3,21 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "vcg_ext/base/statistics.h"
+#include "vcg_ext/base/unit_ratio.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr size_t fewest = 5;                    // shapes that can tell which of them is apart
-constexpr double far = 4, twice = 2;            // times the third quartile
-constexpr double anotherSize = 1.8;             // factor
-constexpr double visible = 0.02, unlike = 0.5;  // shares of the shape's size
-
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
+constexpr size_t fewest = 5;                     // shapes that can tell which of them is apart
+constexpr double far = 4, twice = 2;             // times the usual
+constexpr double anotherSize = 1.8, groups = 3;  // factors
+constexpr double visible = 0.02, unlike = 0.5;   // shares of the shape's size
 
 double radius(const Points& points) {
   const Points centred = points.rowwise() - points.colwise().mean();
@@ -39,9 +36,32 @@ Points medianShape(const std::vector<TrainingSet::Shape>& shapes) {
   std::vector<double> values(shapes.size());
   for (Eigen::Index i = 0; i < median.size(); ++i) {
     for (size_t k = 0; k < shapes.size(); ++k) values[k] = shapes[k].landmarks.data()[i];
-    median.data()[i] = quantile(values, 0.5);
+    median.data()[i] = lowerQuantileOf(values, 0.5);
   }
   return median;
+}
+
+/// Of sizes in groups that differ as units do the largest group; all where there are none.
+std::vector<double> largestGroup(const std::vector<double>& sizes) {
+  const double first = sizes.front();
+  std::vector<double> group = sizes;
+  std::sort(group.begin(), group.end());
+  for (;;) {
+    size_t split = 0;
+    double widest = groups;
+    for (size_t i = 1; i < group.size(); ++i)
+      if (group[i - 1] > 0 && group[i] >= widest * group[i - 1]) {
+        widest = group[i] / group[i - 1];
+        split = i;
+      }
+    if (split == 0) return group;
+    const auto middle = group.begin() + static_cast<std::ptrdiff_t>(split);
+    std::vector<double> below(group.begin(), middle), above(middle, group.end());
+    if (nearestUnitRatio(medianOf(above) / medianOf(below)) == 0) return group;
+    const bool lower =
+        below.size() > above.size() || (below.size() == above.size() && first <= below.back());
+    group = std::move(lower ? below : above);
+  }
 }
 
 }  // namespace
@@ -53,25 +73,31 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
 
   std::vector<double> sizes, away;
   for (const TrainingSet::Shape& shape : given.shapes()) sizes.push_back(radius(shape.landmarks));
-  const double median = quantile(sizes, 0.5);
-  for (double& size : sizes) size = median > 0 && size > 0 ? size / median : 1;
-  for (const double size : sizes) away.push_back(std::fabs(std::log(size)));
-  const double usualSize = std::max(std::log(anotherSize), far * quantile(away, 0.75));
+  const std::vector<double> group = largestGroup(sizes);
+  const double median = lowerQuantileOf(group, 0.5);
+  const auto fromMedian = [median](double size) {
+    return median > 0 && size > 0 ? std::fabs(std::log(size / median)) : 0;
+  };
+  for (const double size : group) away.push_back(fromMedian(size));
+  const double usualSize = std::max(std::log(anotherSize), far * lowerQuantileOf(away, 0.75));
 
   const Points middle = medianShape(aligned.shapes());
   const double extent = radius(middle);
   std::vector<double> distances;
   for (const TrainingSet::Shape& shape : aligned.shapes())
     distances.push_back(distanceInSize(shape.landmarks, middle));
-  const double usual = quantile(distances, 0.75);
+  const double usual = lowerQuantileOf(distances, 0.75), half = lowerQuantileOf(distances, 0.5);
 
   for (size_t k = 0; k < count; ++k) {
     const double distance = distances[k];
-    if (away[k] > usualSize)
-      outliers.push_back({k, Outlier::Kind::Size, sizes[k], distance});
-    else if ((distance > far * usual && distance > visible * extent) ||
-             (distance > twice * usual && distance > unlike * extent))
+    if (fromMedian(sizes[k]) > usualSize) {
+      const double ratio = sizes[k] / median;
+      outliers.push_back({k, Outlier::Kind::Size, ratio, distance, nearestUnitRatio(ratio)});
+    } else if (distance > far * usual && distance > visible * extent) {
       outliers.push_back({k, Outlier::Kind::Shape, usual > 0 ? distance / usual : 0, distance});
+    } else if (distance > twice * half && distance > unlike * extent) {
+      outliers.push_back({k, Outlier::Kind::Shape, half > 0 ? distance / half : 0, distance});
+    }
   }
   return outliers;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vcg_ext/base/statistics.h"
+#include "vcg_ext/base/unit_ratio.h"
 
 namespace sphere_propagation {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr double kinds = 1.75, fromMedian = 2.2, deviations = 6;  // apart
 constexpr double besideSeveral = 1.5, severalTimesUsual = 2.5;    // beside
 constexpr double besideOne = 1.75, oneTimesUsual = 3.5;
-constexpr double unitRatios[]{10, 25.4, 100, 1000}, nearUnits = 1.5;
 
 std::vector<std::vector<int>> besideInTree(const PropagationTree& tree) {
   std::vector<std::vector<int>> beside = tree.children();
@@ -101,13 +101,6 @@ void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTre
   }
 }
 
-double nearestUnits(double ratio) {
-  const double factor = ratio > 1 ? ratio : 1 / ratio;
-  for (const double units : unitRatios)
-    if (factor < nearUnits * units && units < nearUnits * factor) return units;
-  return 0;
-}
-
 }  // namespace
 
 double LayerSize::toOthers() const {
@@ -137,7 +130,7 @@ std::vector<LayerSize> findLayerSizes(const Sequence& sequence, const Propagatio
       }
     result[i].relative = std::exp(sizes[i] - (count > 0 ? sum / count : middle));
     result[i].standsOut = odd[i] != 0;
-    if (odd[i]) result[i].units = nearestUnits(result[i].relative);
+    if (odd[i]) result[i].units = nearestUnitRatio(result[i].relative);
   }
   return result;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/transfer/residual.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <numeric>
+#include <utility>
+
+#include "vcg_ext/base/statistics.h"
 
 namespace sphere_propagation {
 
@@ -12,12 +13,7 @@ Residual residualOf(std::vector<double> distances) {
   Residual result;
   result.mean = std::accumulate(distances.begin(), distances.end(), 0.0) /
                 static_cast<double>(distances.size());
-  const double rank = 0.95 * static_cast<double>(distances.size() - 1);
-  const auto below = distances.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(distances.begin(), below, distances.end());
-  const double above =
-      below + 1 < distances.end() ? *std::min_element(below + 1, distances.end()) : *below;
-  result.p95 = *below + (rank - static_cast<double>(below - distances.begin())) * (above - *below);
+  result.p95 = quantileOf(std::move(distances), 0.95);
   return result;
 }
 
