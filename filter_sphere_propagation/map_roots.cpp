@@ -5,23 +5,14 @@
 #include <utility>
 
 #include "filter_sphere_propagation/messages.h"
-#include "vcg_ext/base/text.h"
+#include "filter_sphere_propagation/reporting.h"
 
 namespace sphere_propagation {
 namespace {
 
 using Labels = std::vector<std::string>;
 
-/// "a", "b", "c" and 4 more
-std::string listed(const Labels& labels) {
-  constexpr size_t maxNamed = 3;
-  std::string text;
-  for (size_t i = 0; i < std::min(labels.size(), maxNamed); ++i)
-    text += (i > 0 ? ", \"" : "\"") + labels[i] + "\"";
-  if (labels.size() > maxNamed)
-    text += " and " + std::to_string(labels.size() - maxNamed) + " more";
-  return text;
-}
+std::string listed(const Labels& labels) { return namesIn(labels, 3); }
 
 struct Roots {
   std::vector<std::pair<int, Labels>> known;  // by root, in the order of their first layers

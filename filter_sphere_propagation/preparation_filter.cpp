@@ -16,7 +16,6 @@ namespace sphere_propagation {
 namespace {
 
 constexpr host::Named<LidShape> lidShapes[]{{"Curved", LidShape::Curved}, {"Flat", LidShape::Flat}};
-constexpr const char* lidAttribute = "lid";
 
 PreparationParameters preparationOf(const host::ParameterValues& values) {
   PreparationParameters parameters;
@@ -194,7 +193,7 @@ host::RemadeMesh remadeMesh(const PreparedMesh& mesh) {
   host::RemadeMesh remade{mesh.vertices, mesh.faces, mesh.source, {}, {}, {}};
   Eigen::VectorXd lid(static_cast<Eigen::Index>(mesh.lid.size()));
   for (size_t v = 0; v < mesh.lid.size(); ++v) lid[static_cast<Eigen::Index>(v)] = mesh.lid[v];
-  remade.scalarAttributes[lidAttribute] = lid;
+  remade.scalarAttributes[host::lidAttribute] = lid;
   for (const int number : mesh.lid) remade.selectedVertices.push_back(number > 0);
   for (const int number : mesh.faceLid) remade.selectedFaces.push_back(number > 0);
   return remade;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/propagation.h"
@@ -220,12 +222,11 @@ class PropagationFilter : public host::Filter {
 
   /// What the user should know about how a layer got its map; usually nothing.
   static void warn(const host::Task& task, const host::Layer& layer, const MeshSurface& mesh,
-                   const PropagatedLayer& propagated, size_t layers) {
+                   const PropagatedLayer& propagated) {
     if (propagated.route == Route::Alignment) task.sayOf(layer, messages::fitLostLayer);
     if (propagated.route == Route::Published) task.sayOf(layer, messages::alignmentLostLayer);
     if (propagated.pose.moved)
       task.sayOf(layer, messages::anotherPose, propagated.pose.shift, propagated.pose.angle);
-    if (propagated.size.standsOut) warnOfSize(task, layer, propagated.size, layers == 2);
     const double edges = residualInEdges(mesh, propagated);
     if (edges > maxEdgesApart || propagated.residualStandsOut)
       task.sayOf(layer, messages::farOff, edges);
@@ -249,6 +250,36 @@ class PropagationFilter : public host::Filter {
     if (!inDoubt.empty()) task.say(messages::sidesDiffer, inDoubt);
   }
 
+  /// Of layers that differ in one way: one by one where they are few.
+  static void warnOfSizes(const host::Task& task, const Participants& participants,
+                          const std::vector<PropagatedLayer>& propagated) {
+    std::map<std::pair<bool, double>, std::vector<size_t>> kinds;  // larger, units
+    for (size_t i = 0; i < propagated.size(); ++i)
+      if (const LayerSize& size = propagated[i].size; size.standsOut)
+        kinds[{size.relative > 1, size.units}].push_back(i);
+    for (const auto& [kind, layers] : kinds) {
+      if (layers.size() <= maxNamedSingly) {
+        for (const size_t i : layers)
+          warnOfSize(task, participants.layers[i], propagated[i].size, propagated.size() == 2);
+        continue;
+      }
+      std::vector<std::string> names;
+      std::vector<double> ratios;
+      for (const size_t i : layers) {
+        names.push_back(participants.layers[i].label());
+        ratios.push_back(propagated[i].size.relative);
+      }
+      const double ratio = medianOf(ratios);
+      std::string units;
+      if (kind.second != 0) {
+        const UnitNames unit = unitNames(ratio, kind.second);
+        units = std::string(" (") + unit.its + " among " + unit.others + "?)";
+      }
+      task.say(messages::severalSizes, names.size(), propagated.size(), namesIn(names),
+               ratio > 1 ? ratio : 1 / ratio, ratio > 1 ? "larger" : "smaller", units);
+    }
+  }
+
   static void warnOfSize(const host::Task& task, const host::Layer& layer, const LayerSize& size,
                          bool ofTwo) {
     const bool larger = size.relative > 1;
@@ -259,11 +290,9 @@ class PropagationFilter : public host::Filter {
                  kind);
       return;
     }
-    // The larger numbers are those of the smaller unit.
-    const char* small = size.units == 100 ? "cm" : "mm";
-    const char* large = size.units == 10 ? "cm" : size.units == 25.4 ? "inches" : "m";
+    const UnitNames names = unitNames(size.relative, size.units);
     task.sayOf(layer, ofTwo ? messages::anotherUnitThanRoot : messages::anotherUnit, factor, kind,
-               larger ? small : large, larger ? large : small);
+               names.its, names.others);
   }
 
   /// The current layer if it has a map, else the first surface layer that has one, else the current
@@ -359,9 +388,10 @@ class PropagationFilter : public host::Filter {
                                     layer.transferred.distances.data(),
                                     static_cast<Eigen::Index>(layer.transferred.distances.size())));
       task.log(line);
-      warn(task, participants.layers[i], participants.meshes[i], layer, count);
+      warn(task, participants.layers[i], participants.meshes[i], layer);
       report(task.progress, 0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
     }
+    warnOfSizes(task, participants, propagated);
     if (task.values.flag("residual_quality"))
       task.say(messages::residualsStored, residualMean.maxCoeff(), residualP95.maxCoeff());
     host::Outputs outputs = {{"parent", parent},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // "Remesh by icosphere": every surface that has a map is sampled at the same points of the sphere.
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 #include <utility>
@@ -41,6 +42,24 @@ std::vector<std::optional<int>> earlierLandmarks(const host::Task& task,
   return found;
 }
 
+/// How the lids of the layers agree, in words. lids: of each layer those of its landmarks; empty:
+/// it has none.
+void tellOfLids(const host::Task& task, const std::vector<MappedLayer>& layers,
+                const std::vector<std::vector<int>>& lids, long landmarks) {
+  std::vector<std::string> without;
+  std::vector<size_t> layersWith(static_cast<size_t>(landmarks), 0);
+  for (size_t i = 0; i < lids.size(); ++i) {
+    if (lids[i].empty()) without.push_back(layers[i].layer.label());
+    for (size_t j = 0; j < lids[i].size(); ++j) layersWith[j] += lids[i][j] > 0;
+  }
+  const size_t with = lids.size() - without.size();
+  if (with == 0) return;
+  const auto onAll = std::count(layersWith.begin(), layersWith.end(), with);
+  const auto onNone = std::count(layersWith.begin(), layersWith.end(), size_t{0});
+  task.say(messages::landmarksOnLids, landmarks - onNone, with, onAll, landmarks - onNone - onAll);
+  if (!without.empty()) task.say(messages::layersWithoutLids, namesIn(without));
+}
+
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -71,7 +90,8 @@ class RemeshingFilter : public host::Filter {
     const std::vector<std::optional<int>> earlier = earlierLandmarks(task, layers);
     const auto count = static_cast<int>(layers.size());
     const std::vector<Made> all = makeAll(remesher, layers, pool, task.progress);
-    Eigen::VectorXd mean(count), max(count), seconds(count);
+    Eigen::VectorXd mean(count), max(count), seconds(count), lid(count);
+    std::vector<std::vector<int>> lids;
     for (int i = 0; i < count; ++i) {
       const auto k = static_cast<size_t>(i);
       host::NewLayer made;
@@ -81,23 +101,46 @@ class RemeshingFilter : public host::Filter {
       made.faces = remesher.sphere().faces;
       made.colors = colors;
       made.marks = landmarkMarks(layers[k].layer);
+      markLids(made, all[k].lids);
       made.replacedId = earlier[k];
       task.changes.addLayer(made);
       mean[i] = all[k].distance.mean;
       max[i] = all[k].distance.max;
       seconds[i] = all[k].seconds;
+      lid[i] = static_cast<double>(std::count_if(all[k].lids.begin(), all[k].lids.end(),
+                                                 [](int number) { return number > 0; }));
+      lids.push_back(all[k].lids);
       task.say(messages::landmarksMade, layers[k].layer.label(), landmarks, mean[i], max[i],
                seconds[i]);
     }
-    return {{"surface_distance_mean", mean}, {"surface_distance_max", max}, {"seconds", seconds}};
+    tellOfLids(task, layers, lids, landmarks);
+    return {{"surface_distance_mean", mean},
+            {"surface_distance_max", max},
+            {"lid", lid},
+            {"seconds", seconds}};
   }
 
  private:
   struct Made {
     Points landmarks;
+    std::vector<int> lids;  // of each landmark; empty: the surface has none
     SurfaceDistance distance;
     double seconds;
   };
+
+  static void markLids(host::NewLayer& layer, const std::vector<int>& lids) {
+    if (lids.empty()) return;
+    Eigen::VectorXd numbers(static_cast<Eigen::Index>(lids.size()));
+    for (size_t j = 0; j < lids.size(); ++j) {
+      numbers[static_cast<Eigen::Index>(j)] = lids[j];
+      layer.selectedVertices.push_back(lids[j] > 0);
+    }
+    for (Eigen::Index f = 0; f < layer.faces.rows(); ++f) {
+      const auto isOnLid = [&](int k) { return lids[static_cast<size_t>(layer.faces(f, k))] > 0; };
+      layer.selectedFaces.push_back(isOnLid(0) && isOnLid(1) && isOnLid(2));
+    }
+    layer.scalarAttributes[host::lidAttribute] = numbers;
+  }
 
   static std::vector<Made> makeAll(const IcosphereRemesher& remesher,
                                    const std::vector<MappedLayer>& layers, ThreadPool& pool,
@@ -109,9 +152,13 @@ class RemeshingFilter : public host::Filter {
       const Stopwatch stopwatch;
       Remeshed remeshed = remesher.remesh(layer.map);
       const SurfaceDistance distance = remesher.distance(remeshed, layer.map);
+      const std::vector<int> lids = layer.layer.lids(layer.mesh.meshVertex);
+      std::vector<int> ofLandmarks;
+      if (!lids.empty()) ofLandmarks = lidsOfLandmarks(remeshed, layer.map.surface().faces(), lids);
       const double share = static_cast<double>(++finished) / static_cast<double>(layers.size());
       if (std::this_thread::get_id() == caller) report(progress, share);
-      return Made{std::move(remeshed.landmarks), distance, stopwatch.seconds()};
+      return Made{std::move(remeshed.landmarks), std::move(ofLandmarks), distance,
+                  stopwatch.seconds()};
     });
   }
 

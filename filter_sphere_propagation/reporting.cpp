@@ -1,7 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/reporting.h"
 
+#include <algorithm>
+
 namespace sphere_propagation {
+
+std::string namesIn(const std::vector<std::string>& names, size_t most) {
+  std::string text;
+  for (size_t i = 0; i < std::min(names.size(), most); ++i)
+    text += (i > 0 ? ", \"" : "\"") + names[i] + "\"";
+  if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
+  return text;
+}
+
+UnitNames unitNames(double ratio, double units) {
+  // The larger numbers are those of the smaller unit.
+  const char* small = units == 100 ? "cm" : "mm";
+  const char* large = units == 10 ? "cm" : units == 25.4 ? "inches" : "m";
+  return ratio > 1 ? UnitNames{small, large} : UnitNames{large, small};
+}
 
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures) {

@@ -12,6 +12,20 @@
 
 namespace sphere_propagation {
 
+/// `"a", "b", "c" and 4 more`.
+std::string namesIn(const std::vector<std::string>& names, size_t most = 10);
+
+/// What units a size that stands out is in, and what the others are in, as far as their ratio
+/// tells: "cm" and "mm". units: as unit_ratio.h has them, not 0.
+struct UnitNames {
+  const char* its;
+  const char* others;
+};
+UnitNames unitNames(double ratio, double units);
+
+/// How many of several are named one by one; more are listed in one warning.
+constexpr size_t maxNamedSingly = 3;
+
 /// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures);

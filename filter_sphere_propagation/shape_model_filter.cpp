@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "filter_sphere_propagation/filters.h"
@@ -14,6 +16,7 @@
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/model/export/model_export.h"
@@ -27,6 +30,10 @@ namespace {
 
 constexpr host::Named<Alignment> alignments[]{
     {"Similarity", Alignment::Similarity}, {"Rigid", Alignment::Rigid}, {"None", Alignment::None}};
+
+enum class LidRule { Most, Any, Never };
+constexpr host::Named<LidRule> lidRules[]{
+    {"Most shapes", LidRule::Most}, {"Any shape", LidRule::Any}, {"Never", LidRule::Never}};
 
 /// Landmark layers in the order of the surfaces that they were made of, which is time order,
 /// wherever they are in the list themselves; those whose surface is not there come last.
@@ -61,40 +68,106 @@ void requireUsable(const TrainingSet::Shape& shape) {
   requireUsableExtent(shape.landmarks, shape.name);
 }
 
+/// The set without the landmarks that lie on lids. shapesWithLid: of each landmark the number of
+/// shapes on which it does.
+TrainingSet withoutLids(const host::Task& task, TrainingSet set,
+                        const std::vector<int>& shapesWithLid, LidRule rule) {
+  const auto shapes = static_cast<int>(set.shapeCount());
+  const int fewest = rule == LidRule::Any ? 1 : (shapes + 1) / 2;
+  std::vector<char> leave;
+  long left = 0, others = 0;
+  for (const int with : shapesWithLid) {
+    leave.push_back(rule != LidRule::Never && with >= fewest);
+    (leave.back() ? left : others) += with > 0;
+  }
+  if (left == set.landmarkCount()) throw host::Refusal(messages::nothingButLids, fewest);
+  if (left > 0)
+    task.say(messages::lidsLeftOut, left, set.landmarkCount(), fewest, others);
+  else if (others > 0 && rule != LidRule::Never)
+    task.say(messages::lidsKept, others);
+  return left > 0 ? set.without(leave) : set;
+}
+
 /// The visible landmark layers as shapes that correspond. They are taken as points: their faces are
 /// the icosphere's, and which way these look tells a mirror image, which is named later, but no
 /// fault of a layer.
-TrainingSet trainingSet(const host::Task& task) {
+TrainingSet trainingSet(const host::Task& task, LidRule rule) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(layers);
   layers = inOrderOfSurfaces(task, std::move(layers));
   std::vector<TrainingSet::Shape> shapes;
-  Triangles faces;
+  std::vector<std::string> mirrored, others;
+  std::optional<Triangles> faces, mirroredFaces;
+  std::vector<int> shapesWithLid;
   for (const host::Layer& layer : layers) {
     MeshContent content = layer.content();
     shapes.push_back({layer.label(), std::move(content.vertices)});
-    if (shapes.size() == 1) faces = content.faces;
-    // Before faces are compared: a matrix that flattens mirrors as rounding will have it.
+    // A matrix that flattens mirrors as rounding will have it.
     if (shapes.back().landmarks.allFinite()) requireUsable(shapes.back());
-    // Layers of different sizes are the training set's business. Of one size they have one list,
-    // unless one is mirrored.
-    if (shapes.back().landmarks.rows() == shapes.front().landmarks.rows() && content.faces != faces)
-      throw host::Refusal(messages::differentFaces, shapes.front().name, layer.label());
+    const bool isMirrored = layer.mirrors();
+    (isMirrored ? mirrored : others).push_back(layer.label());
+    if (std::optional<Triangles>& list = isMirrored ? mirroredFaces : faces; !list)
+      list = std::move(content.faces);
+    const std::vector<int> lids = layer.lids(content.meshVertex);
+    shapesWithLid.resize(std::max(shapesWithLid.size(), lids.size()), 0);
+    for (size_t j = 0; j < lids.size(); ++j) shapesWithLid[j] += lids[j] > 0;
   }
-  return {std::move(shapes), std::move(faces)};
+  const bool mostMirrored = mirrored.size() > others.size();
+  TrainingSet set(std::move(shapes), std::move(*(mostMirrored ? mirroredFaces : faces)));
+  if (!mirrored.empty() && !others.empty()) task.say(messages::matrixMirrors, namesIn(mirrored));
+  shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
+  return withoutLids(task, std::move(set), shapesWithLid, rule);
+}
+
+void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {
+  if (outlier.kind == Outlier::Kind::Shape)
+    task.sayOf(name, messages::shapeStandsOut, outlier.distance, outlier.ratio);
+  else if (outlier.ratio > 1)
+    task.sayOf(name, messages::sizeStandsOut, outlier.ratio, "larger");
+  else
+    task.sayOf(name, messages::sizeStandsOut, 1 / outlier.ratio, "smaller");
+}
+
+/// All of one kind, as one warning.
+void nameAll(const host::Task& task, const std::vector<Outlier>& outliers, const TrainingSet& set) {
+  std::vector<std::string> names;
+  std::vector<double> ratios, distances;
+  for (const Outlier& outlier : outliers) {
+    names.push_back(set.shapes()[outlier.shape].name);
+    ratios.push_back(outlier.ratio);
+    distances.push_back(outlier.distance);
+  }
+  const auto least = [](const std::vector<double>& values) {
+    return *std::min_element(values.begin(), values.end());
+  };
+  if (outliers.front().kind == Outlier::Kind::Shape) {
+    task.say(messages::shapesStandOut, names.size(), set.shapeCount(), namesIn(names),
+             least(distances), least(ratios));
+    return;
+  }
+  const double ratio = medianOf(ratios);
+  std::string units;
+  if (outliers.front().units > 0) {
+    const UnitNames unit = unitNames(ratio, outliers.front().units);
+    units = std::string(" (") + unit.its + " among " + unit.others + "?)";
+  }
+  task.say(messages::sizesStandOut, names.size(), set.shapeCount(), namesIn(names),
+           ratio > 1 ? ratio : 1 / ratio, ratio > 1 ? "larger" : "smaller", units);
 }
 
 void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {
+  std::map<std::tuple<Outlier::Kind, bool, double>, std::vector<Outlier>> kinds;
   for (const Outlier& outlier : findOutliers(given, aligned)) {
-    const std::string& name = given.shapes()[outlier.shape].name;
-    if (outlier.kind == Outlier::Kind::Shape)
-      task.sayOf(name, messages::shapeStandsOut, outlier.distance, outlier.ratio);
-    else if (outlier.ratio > 1)
-      task.sayOf(name, messages::sizeStandsOut, outlier.ratio, "larger");
-    else
-      task.sayOf(name, messages::sizeStandsOut, 1 / outlier.ratio, "smaller");
+    const bool isShape = outlier.kind == Outlier::Kind::Shape;
+    kinds[{outlier.kind, !isShape && outlier.ratio > 1, outlier.units}].push_back(outlier);
   }
+  for (const auto& [kind, outliers] : kinds)
+    if (outliers.size() > maxNamedSingly)
+      nameAll(task, outliers, given);
+    else
+      for (const Outlier& outlier : outliers)
+        nameOutlier(task, given.shapes()[outlier.shape].name, outlier);
 }
 
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }
@@ -144,6 +217,7 @@ class ShapeModelFilter : public host::Filter {
     const ModelMeasureParameters measures;
     return {
         help_.parameter("alignment", host::choiceOf(alignments, ProcrustesParameters{}.alignment)),
+        help_.parameter("leave_out_lids", host::choiceOf(lidRules, LidRule::Most)),
         help_.parameter("modes", 0),
         help_.parameter("standard_deviations", 3.0),
         help_.parameter("mode_layers", 3),
@@ -173,10 +247,11 @@ class ShapeModelFilter : public host::Filter {
     ProcrustesParameters procrustes;
     procrustes.alignment = task.values.choice("alignment", alignments);
     procrustes.areaWeights = task.values.flag("area_weights");
+    const LidRule lidRule = task.values.choice("leave_out_lids", lidRules);
     const std::string file = task.values.newFile("export_file");
     if (!file.empty()) requireExportable(file);
 
-    const TrainingSet given = trainingSet(task);
+    const TrainingSet given = trainingSet(task, lidRule);
     report(task.progress, 0.1);
     const Aligned aligned = alignShapes(given, procrustes);
     report(task.progress, 0.3);
@@ -233,6 +308,11 @@ class ShapeModelFilter : public host::Filter {
         Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.mean.data(), model.mean.size()));
     outputs["mode_vectors"] =
         Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(model.modes.data(), model.modes.size()));
+    Eigen::VectorXd lid = Eigen::VectorXd::Zero(std::max<Eigen::Index>(
+        given.landmarkCount(), static_cast<Eigen::Index>(given.leftOut().size())));
+    for (size_t j = 0; j < given.leftOut().size(); ++j)
+      lid[static_cast<Eigen::Index>(j)] = given.leftOut()[j];
+    outputs["lid"] = lid;
     outputs["total_variance"] = model.totalVariance;
     outputs["shapes"] = static_cast<int>(given.shapeCount());
     outputs["modes"] = static_cast<int>(modes);

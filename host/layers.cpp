@@ -2,6 +2,7 @@
 #include "host/layers.h"
 
 #include <QRegularExpression>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -134,6 +135,24 @@ std::optional<int> Layer::mark(const char* name) const {
   constexpr double end = 1 << 24;
   if (!value || !(*value >= 1 && *value < end)) return std::nullopt;
   return static_cast<int>(*value);
+}
+
+bool Layer::mirrors() const {
+  return matrixFromVcg(mesh_->cm.Tr).topLeftCorner<3, 3>().determinant() < 0;
+}
+
+std::vector<int> Layer::lids(const std::vector<int>& meshVertex) const {
+  const auto values = scalarAttribute(mesh_->cm, lidAttribute);
+  if (!values) return {};
+  constexpr double most = 1 << 24;
+  std::vector<int> lids;
+  bool any = false;
+  for (const int v : meshVertex) {
+    const double value = (*values)[v];  // files and users write what they like
+    lids.push_back(value > 0 ? static_cast<int>(std::ceil(std::min(value, most))) : 0);
+    any = any || lids.back() > 0;
+  }
+  return any ? lids : std::vector<int>();
 }
 
 std::optional<int> Layer::mapFingerprint() const {

@@ -31,6 +31,10 @@ constexpr const char* rootMark = "sphere_root";
 /// On landmark layers: the fingerprint of the map that they were sampled from.
 constexpr const char* sampledMapMark = "sphere_map";
 
+/// Which vertices are on lids, that is, made up: a scalar attribute with the number of the opening
+/// that the lid closes (from 1), 0 elsewhere. On prepared surfaces, and on landmarks of these.
+constexpr const char* lidAttribute = "lid";
+
 /// What a layer is, told from what it holds, so that nothing need be hidden by hand and files
 /// loaded again are known.
 enum class LayerKind {
@@ -75,6 +79,11 @@ class Layer {
   std::optional<Points> storedPositions(const MeshSurface& surface) const;
   /// Whether it has the attribute of a map, valid or not.
   bool hasAttribute() const;
+  /// Whether its matrix shows its mirror image; faces that are read are turned over then.
+  bool mirrors() const;
+  /// The number of the lid of each vertex, 0 where it is on none; empty: the layer has no lids.
+  /// meshVertex: as MeshSurface or MeshContent has it.
+  std::vector<int> lids(const std::vector<int>& meshVertex) const;
   /// The number of a mark; nothing where the layer has none, or more than one.
   std::optional<int> mark(const char* name) const;
   /// Stands for what is stored as the layer's map, valid or not, and for its faces; nothing where

@@ -46,6 +46,9 @@ class Correspondence:
     # Of all steps, as they were issued.
     warnings: List[SpherePropagationWarning] = field(default_factory=list)
     unit: str = DEFAULT_UNIT  # of lengths: a word for texts
+    # (10 f^2 + 2,), True where a landmark lies on a lid of half of the surfaces or more, so that it
+    # is made up; shape_model leaves it out.
+    lid: Optional[np.ndarray] = None
 
     def __repr__(self) -> str:
         return (
@@ -175,6 +178,7 @@ def _correspond(
         landmark_faces=landmarks.faces,
         figures=figures,
         unit=unit,
+        lid=2 * landmarks.lid.sum(0) >= len(surfaces),
     )
 
 

@@ -34,6 +34,7 @@ ALIGNMENTS = NAMED["alignment"]
 PARTS = NAMED["part"]
 COORDINATES = NAMED["coordinates"]
 HANDLE_REPAIRS = NAMED["handle_repair"]
+LID_RULES = NAMED["leave_out_lids"]
 
 # Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
 # no only after the maps were made. A test asks it.
@@ -102,12 +103,15 @@ class Landmarks:
 
     points: (surfaces, 10 f^2 + 2, 3); faces: (20 f^2, 3), shared by all; figures:
     surface_distance_mean and surface_distance_max (between landmark mesh and surface, both ways, in
-    their unit), seconds.
+    their unit), lid (how many landmarks lie on lids), seconds.
+    lid: (surfaces, 10 f^2 + 2), True where a landmark lies on a lid of that surface and so is made
+    up.
     """
 
     points: np.ndarray
     faces: np.ndarray
     figures: Figures
+    lid: Optional[np.ndarray] = None
 
     def __repr__(self) -> str:
         shapes, landmarks = self.points.shape[:2]
@@ -322,9 +326,13 @@ def remesh(
             f"{len(surfaces)} surfaces gave {len(made)} landmark meshes: not every one was taken "
             "for a surface.",
         )
-    return Landmarks(
-        np.stack([mesh.vertex_matrix() for mesh in made]), made[0].face_matrix(), figures
-    )
+    points = np.stack([mesh.vertex_matrix() for mesh in made])
+    lid = np.zeros(points.shape[:2], bool)
+    for i, mesh in enumerate(made):
+        numbers = layers.lid_of(mesh)
+        if numbers is not None:
+            lid[i] = numbers > 0
+    return Landmarks(points, made[0].face_matrix(), figures, lid)
 
 
 def shape_model(
@@ -332,6 +340,8 @@ def shape_model(
     faces: np.ndarray,
     names: Optional[Sequence[str]] = None,
     *,
+    lid: Optional[np.ndarray] = None,
+    leave_out_lids: str = "Most shapes",
     alignment: str = "Similarity",
     modes: int = 0,
     export_file: str = "",
@@ -344,6 +354,9 @@ def shape_model(
 
     points: (shapes, landmarks, 3), two shapes or more; faces: those of Landmarks or Correspondence,
     shared by all; names: what errors and files call the shapes.
+    lid: that of Landmarks or Correspondence: (landmarks,) or (shapes, landmarks), True where they
+    are made up. leave_out_lids: which of these the model leaves out, one of LID_RULES; its `lid`
+    says which it did.
     alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose,
     nothing. modes: how many are kept, 0 for all.
     export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy),
@@ -353,12 +366,13 @@ def shape_model(
 
     Identical shapes make a model without modes.
     """
-    surfaces = _landmark_meshes(points, faces, names)
+    surfaces = _landmark_meshes(points, faces, names, lid)
     meshes = layers.mesh_set(surfaces)
     returned = layers.apply(
         meshes,
         MODEL,
         alignment=alignment,
+        leave_out_lids=leave_out_lids,
         modes=modes,
         mode_layers=0,
         export_file=str(export_file),
@@ -373,12 +387,14 @@ def shape_model(
             "others lie on the unit sphere, or are called like a layer of a shape model.",
         )
     kept, count = returned["modes"], returned["landmarks"]
+    left_out = returned["lid"] > 0
+    number = np.cumsum(~left_out) - 1
     return ShapeModel(
         np.reshape(returned["mean"], (count, 3)),
         np.reshape(returned["mode_vectors"], (kept, count, 3)),
         returned["eigenvalues"],
         np.reshape(returned["scores"], (len(surfaces), kept)),
-        surfaces[0].faces,
+        number[surfaces[0].faces[~left_out[surfaces[0].faces].any(1)]].astype(np.int32),
         [surface.name for surface in surfaces],
         returned["total_variance"],
         {
@@ -392,11 +408,15 @@ def shape_model(
                 "specificity_error",
             )
         },
+        left_out,
     )
 
 
 def _landmark_meshes(
-    points: np.ndarray, faces: np.ndarray, names: Optional[Sequence[str]]
+    points: np.ndarray,
+    faces: np.ndarray,
+    names: Optional[Sequence[str]],
+    lid: Optional[np.ndarray],
 ) -> List[Surface]:
     points, faces = array_of("Landmarks", points), array_of("faces", faces)
     if points.ndim != 3 or points.shape[2] != 3 or points.dtype.kind not in "fiu":
@@ -416,7 +436,18 @@ def _landmark_meshes(
     names = [f"shape {k}" for k in range(len(points))] if names is None else listed("names", names)
     if len(names) != len(points):
         raise InputError(f"{len(points)} shapes need as many names, not {len(names)}.")
-    return [Surface(shape, faces, name) for shape, name in zip(points, names)]
+    if lid is not None:
+        lid = array_of("lid", lid)
+        if lid.shape not in (points.shape[:2], points.shape[1:2]) or lid.dtype.kind not in "biuf":
+            raise InputError(
+                f"lid must be of shape {points.shape[:2]} or {points.shape[1:2]}, not {lid.dtype} "
+                f"of shape {lid.shape}."
+            )
+        lid = np.broadcast_to(lid > 0, points.shape[:2])
+    return [
+        Surface(shape, faces, name, lid=None if lid is None else lid[k])
+        for k, (shape, name) in enumerate(zip(points, names))
+    ]
 
 
 def evaluate(surfaces: Sequence[SurfaceLike], maps: Sequence[MapLike]) -> Figures:

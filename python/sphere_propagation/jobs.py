@@ -425,6 +425,7 @@ def _build_model(
                 result.landmarks,
                 result.landmark_faces,
                 names,
+                lid=result.lid,
                 alignment=choices.alignment,
                 export_file=str(path),
                 **more,

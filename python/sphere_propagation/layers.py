@@ -16,6 +16,7 @@ from .surface import Surface, distinct_names
 from .turns import turn
 
 ATTRIBUTE = "sphere_position"
+LID = "lid"
 _kept = []
 
 
@@ -39,6 +40,8 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
         mesh = pymeshlab.Mesh(surface.vertices, surface.faces, **texture)
         if sphere is not None:
             mesh.add_vertex_custom_point_attribute(sphere.positions, ATTRIBUTE)
+        if surface.lid is not None:
+            mesh.add_vertex_custom_scalar_attribute(surface.lid.astype(float), LID)
         meshes.add_mesh(mesh, name)
     if meshes.mesh_number():
         meshes.set_current_mesh(0)
@@ -46,7 +49,18 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
 
 
 def surface_of(mesh, name: Optional[str] = None) -> Surface:
-    return Surface(mesh.vertex_matrix(), mesh.face_matrix(), mesh.label() if name is None else name)
+    name = mesh.label() if name is None else name
+    return Surface(mesh.vertex_matrix(), mesh.face_matrix(), name, lid=lid_of(mesh))
+
+
+def lid_of(mesh) -> Optional[np.ndarray]:
+    """Per vertex the number of its lid, 0 on none; None where the mesh has no lids."""
+    try:
+        return mesh.vertex_custom_scalar_attribute_array(LID).astype(int)
+    except Exception as error:  # PyMeshLab's; nothing else says whether it is there
+        if not type(error).__module__.startswith("pymeshlab"):
+            raise
+        return None
 
 
 def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List
+from typing import Dict, List, Optional
 
 import numpy as np
 
@@ -25,6 +25,8 @@ class ShapeModel:
     total_variance: that of all modes, kept or not.
     figures: by number of modes, (M,): compactness, variance_share, generalisation,
     generalisation_error, specificity, specificity_error.
+    lid: boolean, one per landmark that there was: True for those which the model leaves out, since
+    they lie on lids; landmark j of the model is the j-th False one.
     """
 
     mean: np.ndarray
@@ -35,6 +37,7 @@ class ShapeModel:
     names: List[str]
     total_variance: float
     figures: Dict[str, np.ndarray]
+    lid: Optional[np.ndarray] = None
 
     @property
     def compactness(self) -> np.ndarray:

@@ -35,6 +35,7 @@ NAMED = {
     "coordinates": ("RAS", "LPS"),
     "handle_repair": ("Whichever changes less", "Cut", "Fill"),
     "lid": ("Curved", "Flat"),
+    "leave_out_lids": ("Most shapes", "Any shape", "Never"),
 }
 
 Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers

@@ -14,7 +14,6 @@ from .surface import Surface, SurfaceLike, as_surface
 
 PREPARE = "apply_surface_preparation"
 LIDS = NAMED["lid"]
-ATTRIBUTE = "lid"
 # What is counted, by its names.
 STEPS = (
     "weld",
@@ -32,6 +31,7 @@ STEPS = (
 class PreparedSurface:
     """A surface after its preparation: `surface, figures = prepare(...)`, or by name.
 
+    surface.lid goes on to the landmarks, which a shape model leaves out there.
     lid: (n,), per vertex the number (from 1) of the opening whose lid it belongs to, 0 on the
     surface that was there: vertices[lid == 0] leaves lids out. lid_faces: (k,), True for the faces
     of lids, of which small ones have no vertex of their own.
@@ -103,10 +103,13 @@ def prepare(
     made = layers.surface_of(mesh, given.name)
     if len(made.vertices) == len(given.vertices) and np.array_equal(made.faces, given.faces):
         none = np.zeros(len(given.vertices), int), np.zeros(len(given.faces), bool)
+        if given.lid is not None:
+            none = given.lid, none[1]
         return PreparedSurface(given, figures, *none)
+    lid = layers.lid_of(mesh)
     return PreparedSurface(
-        Surface(made.vertices, made.faces, given.name, given.space),
+        Surface(made.vertices, made.faces, given.name, given.space, lid),
         figures,
-        mesh.vertex_custom_scalar_attribute_array(ATTRIBUTE).astype(int),
+        np.zeros(len(made.vertices), int) if lid is None else lid,
         mesh.face_selection_array(),
     )

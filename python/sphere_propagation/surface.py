@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import Any, List, Sequence, Tuple, Union
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -21,14 +21,16 @@ class Surface:
 
     vertices: (n, 3) in one unit, mm for hearts; faces: (k, 3) vertex indices, counterclockwise from
     outside; name: what errors, layers and files call it; space: the frame of the vertices, "RAS"
-    or "LPS", empty where nobody knows. Anything that numpy takes for arrays of these shapes is
-    accepted.
+    or "LPS", empty where nobody knows; lid: (n,), per vertex the number (from 1) of the lid that it
+    belongs to, 0 where the surface was measured, None where there is no lid, as prepare says it.
+    Anything that numpy takes for arrays of these shapes is accepted.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     name: str = NAMELESS
     space: str = ""
+    lid: Optional[np.ndarray] = None
 
     def __post_init__(self):
         if not isinstance(self.name, str):
@@ -59,6 +61,14 @@ class Surface:
                     else ""
                 )
             )
+        if self.lid is not None:
+            lid = array_of(f"{self.name}: lid", self.lid)
+            if lid.shape != (len(vertices),) or lid.dtype.kind not in "biuf":
+                raise InputError(
+                    f"{self.name}: lid must be {len(vertices)} numbers, one per vertex, not "
+                    f"{lid.dtype} of shape {lid.shape}."
+                )
+            object.__setattr__(self, "lid", lid.astype(int) if lid.any() else None)
         object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, np.float64))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, np.int32))
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "tests/core/test_meshes.h"
@@ -26,6 +27,20 @@ TEST(Remeshing, AnIcosphereMappedToItselfComesBack) {
     const SurfaceDistance distance = surfaceDistance(result.landmarks, sphere.faces, surface);
     EXPECT_LT(distance.max, 1e-14);
   }
+}
+
+TEST(Remeshing, LandmarksLieOnALidWhereTheirFaceHasACornerOfIt) {
+  const Icosphere coarse = icosphere(3), fine = icosphere(12);
+  const Remeshed result = remesh(
+      MappedSurface(ClosedSurface(coarse.vertices, coarse.faces), coarse.vertices), fine.vertices);
+  std::vector<int> lids(92, 0);
+  lids[40] = 2;
+  const std::vector<int> found = lidsOfLandmarks(result, coarse.faces, lids);
+  for (size_t j = 0; j < found.size(); ++j) {
+    const bool corner = (coarse.faces.row(result.faces[j]).array() == 40).any();
+    EXPECT_EQ(found[j], corner ? 2 : 0);
+  }
+  EXPECT_GT(std::count(found.begin(), found.end(), 2), 20);
 }
 
 TEST(Remeshing, AFinerIcosphereSamplesTheFlatFaces) {

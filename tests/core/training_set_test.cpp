@@ -33,6 +33,33 @@ TEST(TrainingSet, KeepsWhatItIsGiven) {
   EXPECT_EQ(set.faces(), mesh.faces);
 }
 
+TEST(TrainingSet, LeavesLandmarksOut) {
+  const auto mesh = test::icosahedron();
+  const TrainingSet set({{"a", mesh.vertices}, {"b", 2 * mesh.vertices}}, mesh.faces);
+  std::vector<char> leave(12, 0);
+  leave[0] = leave[7] = 1;
+  const TrainingSet some = set.without(leave);
+  EXPECT_EQ(some.leftOut(), leave);
+  ASSERT_EQ(some.landmarkCount(), 10);
+  EXPECT_EQ(some.shapes()[1].landmarks.row(0), 2 * mesh.vertices.row(1));
+  EXPECT_EQ(some.shapes()[1].landmarks.row(6), 2 * mesh.vertices.row(8));
+  const bool neighbours = [&] {
+    for (int f = 0; f < 20; ++f)
+      if ((mesh.faces.row(f).array() == 0).any() && (mesh.faces.row(f).array() == 7).any())
+        return true;
+    return false;
+  }();
+  EXPECT_EQ(some.faces().rows(), neighbours ? 12 : 10);
+  EXPECT_LT(some.faces().maxCoeff(), 10);
+
+  std::vector<char> again(10, 0);
+  again[6] = 1;  // what was the eighth
+  leave[8] = 1;
+  EXPECT_EQ(some.without(again).leftOut(), leave);
+  EXPECT_TRUE(set.leftOut().empty());
+  EXPECT_THROW(set.without(std::vector<char>(12, 1)), ParameterError);
+}
+
 TEST(TrainingSet, NamesTheShapesThatDoNotCorrespond) {
   const auto small = test::octahedron(), large = test::icosahedron();
   const std::string text =

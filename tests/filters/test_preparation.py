@@ -7,7 +7,19 @@ import numpy as np
 import pymeshlab
 import pytest
 import surfaces
-from documents import PREPARE, ROOT, add, layers, refused, small_cycle, snapshot
+from documents import (
+    MODEL,
+    PREPARE,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    add,
+    layer,
+    layers,
+    refused,
+    small_cycle,
+    snapshot,
+)
 from surfaces import egg
 
 DEFECTS = {
@@ -92,6 +104,65 @@ def test_lids_are_marked_and_the_wall_stays():
     rim = v[np.isclose(v[:, 2], v[wall][:, 2].max())]
     around = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).sum()
     assert returned["opening_perimeter"] == pytest.approx([around])
+
+
+def lid_of(mesh):
+    return mesh.vertex_custom_scalar_attribute_array("lid")
+
+
+def test_landmarks_and_the_model_know_of_lids(tmp_path):
+    ms = pymeshlab.MeshSet()
+    for k, below in enumerate((20, 19, 20.5, 21)):
+        v, f = cup(below)
+        add(ms, v * [1, 1, 1 + k / 20], f, f"phase {k}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(PREPARE, all_visible=True)
+    ms.apply_filter(ROOT)
+    ms.apply_filter(PROPAGATE)
+    returned = ms.apply_filter(REMESH, frequency=6)
+    landmarks = [m for m in ms if m.label().endswith("landmarks")]
+    on = np.array([lid_of(m) > 0 for m in landmarks])
+    assert (returned["lid"] == on.sum(1)).all() and (on.sum(1) > 5).all()
+    assert (on != on[0]).any()
+    for source, mesh, lids in zip(ms, landmarks, on):
+        assert (mesh.vertex_selection_array() == lids).all()
+        rim = source.vertex_matrix()[lid_of(source) == 0][:, 2].max()
+        height = mesh.vertex_matrix()[:, 2]
+        assert height[lids].min() >= rim - 1e-9 and height[~lids].max() <= rim + 1e-9
+        faces = mesh.face_matrix()
+        assert (mesh.face_selection_array() == lids[faces].all(1)).all()
+    path = tmp_path / "model.npz"
+    for rule, left_out in (
+        ("Most shapes", on.sum(0) >= 2),
+        ("Any shape", on.any(0)),
+        ("Never", np.zeros(362, bool)),
+    ):
+        model = ms.apply_filter(MODEL, leave_out_lids=rule, export_file=str(path))
+        assert ((model["lid"] > 0) == left_out).all()
+        assert model["landmarks"] == (~left_out).sum()
+        with np.load(path) as file:
+            assert (file["lid"] == left_out).all() and file["lid"].dtype == bool
+            assert len(file["mean"]) == (~left_out).sum() > file["faces"].max()
+            assert len(file["faces"]) == (~left_out[faces].any(1)).sum()
+        assert layer(ms, "mean shape").vertex_number() == (~left_out).sum()
+    default = ms.apply_filter(MODEL)
+    assert ((default["lid"] > 0) == (on.sum(0) >= 2)).all()
+
+
+def test_layers_without_lids_among_others_are_named():
+    ms = pymeshlab.MeshSet()
+    for k, (v, f) in enumerate((cup(), egg(), egg(), egg(), egg())):
+        add(ms, v, f, f"phase {k}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(PREPARE)
+    ms.apply_filter(ROOT)
+    ms.apply_filter(PROPAGATE)
+    text = " ".join(said(ms.apply_filter(REMESH, frequency=4)))
+    assert all(f'"phase {k}"' in text for k in (1, 2, 3, 4)) and "carry no lids" in text
+    assert '"phase 0"' not in text
+    returned = ms.apply_filter(MODEL)
+    assert returned["landmarks"] == 162 and not returned["lid"].any()
+    assert "fewer than half" in " ".join(said(returned))
 
 
 def test_a_flat_lid_is_flat_and_a_curved_one_is_not():

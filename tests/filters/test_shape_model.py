@@ -429,7 +429,9 @@ def test_npz(exported, heart):
         "eigenvalues": (9,),
         "scores": (10, 9),
         "faces": (2000, 3),
+        "lid": (1002,),
     }
+    assert not model["lid"].any()
     assert np.array_equal(model["eigenvalues"], returned["eigenvalues"])
     assert np.array_equal(model["scores"].ravel(), returned["scores"])
     assert np.array_equal(model["faces"], heart[1])
@@ -648,8 +650,45 @@ def test_a_mirrored_layer():
     ms = small_model_project()
     ms.set_current_mesh(3)
     ms.apply_filter("compute_matrix_from_translation_rotation_scale", scalex=-1, freeze=False)
-    with refused(ms, '"shape 00"', '"shape 03"', "different face lists", "mirrors"):
-        ms.apply_filter(MODEL)
+    returned = ms.apply_filter(MODEL)
+    assert returned["shapes"] == 5
+    remarks = json.loads(bytes(map(int, returned["warnings"])).decode())
+    assert [
+        r["text"] for r in remarks if r["message"] == "matrixMirrors" and "shape 03" in r["text"]
+    ]
+    faces = layers(ms)[0].face_matrix()
+    assert (layer(ms, "mean shape").face_matrix() == faces).all()
+    # Where most or all are mirrored, the model's faces are turned over.
+    for k in range(5):
+        if k != 3:
+            ms.set_current_mesh(k)
+            ms.apply_filter(
+                "compute_matrix_from_translation_rotation_scale", scalex=-1, freeze=False
+            )
+    returned = ms.apply_filter(MODEL)
+    assert "warnings" not in returned
+    assert (layer(ms, "mean shape").face_matrix() == faces[:, [0, 2, 1]]).all()
+
+
+def test_many_that_stand_out_are_one_warning():
+    project = small_model_project()
+    shapes = np.array([m.vertex_matrix() for m in project])
+    rng = np.random.default_rng(5)
+    ms = pymeshlab.MeshSet()
+    for k in range(40):
+        points = shapes[k % 5] * (1 + 0.01 * rng.standard_normal())
+        if k >= 20:
+            points = points / 10
+        elif k % 4 == 1:
+            points = rng.permutation(points)
+        add(ms, points, project.mesh(0).face_matrix(), f"case {k:02d}")
+    remarks = json.loads(bytes(map(int, ms.apply_filter(MODEL)["warnings"])).decode())
+    assert sorted(r["message"] for r in remarks) == ["shapesStandOut", "sizesStandOut"]
+    text = {r["message"]: r["text"] for r in remarks}
+    sizes, away = text["sizesStandOut"], text["shapesStandOut"]
+    assert "20 shapes of 40" in sizes and '"case 20"' in sizes and "10 more" in sizes
+    assert "times smaller" in sizes and "cm among mm" in sizes
+    assert "5 shapes of 40" in away and '"case 17"' in away
 
 
 def test_nan():

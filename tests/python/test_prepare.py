@@ -65,6 +65,37 @@ def test_what_was_prepared_is_a_surface(heart):
         sp.correspond(prepared)
 
 
+def test_lids_are_known_to_the_end(tmp_path):
+    hearts = [sp.prepare(opened(heart)) for heart in sp.make_phantom(phases=3, voxel_size=4)]
+    assert all((heart.surface.lid == heart.lid).all() for heart in hearts)
+    result = sp.correspond(hearts, frequency=4)
+    assert result.lid.shape == (162,) and result.lid.dtype == bool and 5 < result.lid.sum() < 80
+    landmarks = sp.remesh(result.surfaces, result.maps, frequency=4)
+    assert (result.lid == (landmarks.lid.sum(0) >= 2)).all()
+    file = tmp_path / "model.npz"
+    model = sp.shape_model(
+        result.landmarks, result.landmark_faces, lid=result.lid, export_file=str(file)
+    )
+    kept = ~result.lid
+    assert (model.lid == result.lid).all() and len(model.mean) == kept.sum()
+    where = np.flatnonzero(kept)[model.faces]
+    rows = set(map(tuple, result.landmark_faces.tolist()))
+    assert len(where) == kept[result.landmark_faces].all(1).sum()
+    assert all(tuple(row) in rows for row in where.tolist())
+    with np.load(file) as saved:
+        assert (saved["lid"] == result.lid).all() and (saved["faces"] == model.faces).all()
+    whole = sp.shape_model(result.landmarks, result.landmark_faces)
+    assert len(whole.mean) == 162 and not whole.lid.any()
+    never = sp.shape_model(
+        result.landmarks, result.landmark_faces, lid=landmarks.lid, leave_out_lids="Never"
+    )
+    assert (never.eigenvalues == whole.eigenvalues).all()
+    with pytest.raises(sp.InputError, match=r"lid must be of shape \(3, 162\) or \(162,\)"):
+        sp.shape_model(result.landmarks, result.landmark_faces, lid=result.lid[1:])
+    with pytest.raises(sp.InputError, match="lid must be 3 numbers"):
+        sp.Surface(np.eye(3), [[0, 1, 2]], lid=[1])
+
+
 def test_nameless_ones_are_numbered(heart):
     arrays = heart.vertices, heart.faces
     prepared = sp.prepare(arrays)

@@ -119,7 +119,8 @@ Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& param
   }
   for (TrainingSet::Shape& shape : result) shape.landmarks.rowwise() += first.centroid;
   const Points mean0 = average(result);
-  return {TrainingSet(std::move(result), shapes.faces()), mean0, iterations, converged};
+  return {TrainingSet(std::move(result), shapes.faces(), shapes.leftOut()), mean0, iterations,
+          converged};
 }
 
 }  // namespace sphere_propagation

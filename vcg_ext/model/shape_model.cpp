@@ -39,8 +39,14 @@ Points ShapeModel::shape(Eigen::Index mode, double deviations) const {
 
 ShapeModel ShapeModel::truncated(Eigen::Index count) const {
   const Eigen::Index kept = std::min(count, modes.cols());
-  return {mean,          faces, modes.leftCols(kept), eigenvalues.head(kept), scores.leftCols(kept),
-          totalVariance, names};
+  return {mean,
+          faces,
+          modes.leftCols(kept),
+          eigenvalues.head(kept),
+          scores.leftCols(kept),
+          totalVariance,
+          names,
+          leftOut};
 }
 
 ShapeModel buildShapeModel(const TrainingSet& set, double epsilon, Eigen::Index modes,
@@ -48,6 +54,7 @@ ShapeModel buildShapeModel(const TrainingSet& set, double epsilon, Eigen::Index 
   const Eigen::Index shapes = set.shapeCount(), size = 3 * set.landmarkCount();
   ShapeModel model;
   model.faces = set.faces();
+  model.leftOut = set.leftOut();
   model.mean = Points::Zero(set.landmarkCount(), 3);
   double longest = 0;
   for (const auto& [name, landmarks] : set.shapes()) {

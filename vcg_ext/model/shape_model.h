@@ -25,6 +25,7 @@ struct ShapeModel {
   Eigen::MatrixXd scores;    ///< #K by #M: row k = modes^T (shape k - mean), in the unit of length
   double totalVariance = 0;  ///< sum of all eigenvalues, also of modes that are left out
   std::vector<std::string> names;  ///< of the #K shapes
+  std::vector<char> leftOut;       ///< see TrainingSet: the landmarks that the model leaves out
 
   Eigen::Index modeCount() const { return eigenvalues.size(); }
 

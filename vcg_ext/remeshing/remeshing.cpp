@@ -51,6 +51,15 @@ Remeshed remesh(const MappedSurface& surface, const Points& directions) {
   return result;
 }
 
+std::vector<int> lidsOfLandmarks(const Remeshed& remeshed, const Triangles& faces,
+                                 const std::vector<int>& lids) {
+  std::vector<int> result(remeshed.faces.size(), 0);
+  for (size_t j = 0; j < result.size(); ++j)
+    for (int k = 0; k < 3 && result[j] == 0; ++k)
+      result[j] = lids[static_cast<size_t>(faces(remeshed.faces[j], k))];
+  return result;
+}
+
 SurfaceDistance surfaceDistance(const Points& landmarks, const Triangles& faces,
                                 const ClosedSurface& surface, const DistanceHints& hints) {
   const Eigen::VectorXd area = faceAreas(landmarks, faces);

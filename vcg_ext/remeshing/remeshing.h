@@ -25,6 +25,15 @@ struct Remeshed {
 /// zero or not finite.
 Remeshed remesh(const MappedSurface& surface, const Points& directions);
 
+/// For each landmark the number of the lid that it lies on, 0 where it lies on none: that of the
+/// first corner of its face that has one. Of the corners of a face on the rim of a lid the wall's
+/// have none, and all faces at a new vertex of a lid are the lid's: so this is where lids are, but
+/// for their faces that have all corners on the rim.
+///
+/// remeshed: of a surface with these faces (#F by 3); lids: #V numbers, 0 on the surface itself.
+std::vector<int> lidsOfLandmarks(const Remeshed& remeshed, const Triangles& faces,
+                                 const std::vector<int>& lids);
+
 /// Distances between two meshes, in their unit.
 struct SurfaceDistance {
   double mean = 0;

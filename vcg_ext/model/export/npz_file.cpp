@@ -2,6 +2,7 @@
 // A zip without compression: per member a local header and its bytes, at the end a directory
 // (PKWARE's APPNOTE 6.3).
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -111,6 +112,11 @@ std::string npzFile(const ShapeModel& model) {
   zip.add("eigenvalues.npy", doubles({modes}, model.eigenvalues));
   zip.add("scores.npy", doubles({model.scores.rows(), modes}, model.scores));
   zip.add("faces.npy", faces.str());
+  std::vector<char> lid = model.leftOut;
+  lid.resize(std::max(lid.size(), static_cast<std::size_t>(landmarks)), 0);
+  Bytes marks = npyHeader("|b1", {static_cast<Eigen::Index>(lid.size())});
+  for (const char mark : lid) marks.put(mark ? 1 : 0, 1);
+  zip.add("lid.npy", marks.str());
   return std::move(zip).finished();
 }
 
