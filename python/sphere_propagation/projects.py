@@ -70,7 +70,7 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
 
 def write_landmarks(path, result: Correspondence) -> None:
     """All landmarks in one file; its ending chooses: .npz (landmarks (surfaces, N, 3), faces,
-    names, root, unit) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks count from
+    names, root, unit, lid (N,)) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks count from
     0)."""
     path = path_of(path)
     if not isinstance(result, Correspondence):
@@ -84,6 +84,7 @@ def write_landmarks(path, result: Correspondence) -> None:
             names=np.array(names),
             root=result.root,
             unit=np.array(result.unit),
+            lid=np.zeros(result.landmarks.shape[1], bool) if result.lid is None else result.lid,
         )
     elif path.suffix.lower() == ".csv":
         with open(path, "w", newline="", encoding="utf-8") as file:
