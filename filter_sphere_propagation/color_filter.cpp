@@ -36,14 +36,14 @@ struct PlacedLayer {
 class ColorFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::VertexColoring | host::Menu::Quality,
+    return help_.describe(host::Menu::VertexColoring | host::Menu::Quality | host::Menu::Layer,
                           host::Arity::VisibleLayers);
   }
 
-  std::vector<host::Parameter> parameters(const host::Layers&) const override {
+  std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
     return {help_.parameter("pattern",
                             host::choiceOf(patterns, Pattern(SpherePatternParameters{}.pattern))),
-            help_.parameter("cells", SpherePatternParameters{}.cells),
+            help_.parameter("cells", visibleCells(layers)),
             help_.parameter("area_ratio_limit", 2.0), help_.parameter("store_area_ratio", false),
             help_.parameter("landmark_layers", true)};
   }
@@ -81,6 +81,16 @@ class ColorFilter : public host::Filter {
   }
 
  private:
+  /// Fields that all meshes with a map can show: what is too fine for the coarsest of them is a
+  /// smear.
+  static int visibleCells(const host::Layers& layers) {
+    int least = 0;
+    for (const host::Layer& layer : layers.visible(host::LayerKind::Surface))
+      if (layer.storesPositions() && (least == 0 || layer.vertexCount() < least))
+        least = layer.vertexCount();
+    return least > 0 ? cellsFor(least) : SpherePatternParameters{}.cells;
+  }
+
   /// In the order surfaces, spheres, landmarks.
   static std::vector<PlacedLayer> placedLayers(const host::Task& task, bool withLandmarks) {
     std::vector<PlacedLayer> found;

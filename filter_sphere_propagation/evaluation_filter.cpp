@@ -16,7 +16,7 @@ namespace {
 class EvaluationFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::Measure, host::Arity::VisibleLayers);
+    return help_.describe(host::Menu::Measure | host::Menu::Layer, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override { return {}; }

@@ -18,6 +18,7 @@ std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisat
 std::unique_ptr<host::Filter> makeColorFilter();         ///< Colour by spherical parameterisation
 std::unique_ptr<host::Filter> makeShapeModelFilter();    ///< Build statistical shape model
 std::unique_ptr<host::Filter> makePreparationFilter();   ///< Prepare surface
+std::unique_ptr<host::Filter> makeLayoutFilter();        ///< Lay layers side by side
 
 /// All of them.
 std::vector<std::unique_ptr<host::Filter>> makeFilters();

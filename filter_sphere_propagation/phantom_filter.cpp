@@ -17,7 +17,7 @@ constexpr host::Named<PhantomParameters::Part> parts[]{{"Cavity", PhantomParamet
 class PhantomFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
+    return help_.describe(host::Menu::MeshCreation | host::Menu::Layer, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
@@ -61,6 +61,7 @@ class PhantomFilter : public host::Filter {
     task.log(counted(parameters.phases, "phase", "phases") + " of the phantom's " +
              (wall ? "wall" : "cavity") + ", " + shortNumber(vertices.mean()) +
              " vertices on average, " + shortNumber(stopwatch.seconds()) + " s");
+    task.say(messages::phantomMade, parameters.phases);
     return {
         {"layers", parameters.phases}, {"vertices", vertices}, {"seconds", stopwatch.seconds()}};
   }

@@ -202,7 +202,7 @@ host::RemadeMesh remadeMesh(const PreparedMesh& mesh) {
 class PreparationFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::Cleaning, host::Arity::VisibleLayers);
+    return help_.describe(host::Menu::Cleaning | host::Menu::Layer, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {

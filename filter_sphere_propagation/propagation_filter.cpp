@@ -12,6 +12,7 @@
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -295,15 +296,21 @@ class PropagationFilter : public host::Filter {
                names.its, names.others);
   }
 
-  /// The current layer if it has a map, else the first surface layer that has one, else the current
-  /// layer.
+  /// The current layer if it has a map, else the root that the others' maps came from, else the
+  /// first surface layer that has a map, else the current layer.
   static int defaultRootId(const host::Layers& layers) {
     const int current = layers.currentId();
     if (const auto layer = layers.find(current);
         layer && layer->kind() == host::LayerKind::Surface && layer->hasMap())
       return current;
-    for (const host::Layer& layer : layers.visible(host::LayerKind::Surface))
-      if (layer.hasMap()) return layer.id();
+    std::optional<int> first;
+    for (const host::Layer& layer : layers.visible(host::LayerKind::Surface)) {
+      if (!layer.hasMap()) continue;
+      if (!first) first = layer.id();
+      if (const auto root = layer.mark(host::rootMark); root && root == layer.mapFingerprint())
+        return layer.id();
+    }
+    if (first) return *first;
     return current;
   }
 
@@ -394,6 +401,8 @@ class PropagationFilter : public host::Filter {
     warnOfSizes(task, participants, propagated);
     if (task.values.flag("residual_quality"))
       task.say(messages::residualsStored, residualMean.maxCoeff(), residualP95.maxCoeff());
+    task.say(messages::layersMapped, count, count,
+             hiddenLeftOut(task.layers, host::LayerKind::Surface));
     host::Outputs outputs = {{"parent", parent},
                              {"residual_mean", residualMean},
                              {"residual_p95", residualP95},

@@ -12,13 +12,26 @@
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
+#include "host/window.h"
 #include "vcg_ext/display/colors.h"
+#include "vcg_ext/display/side_by_side.h"
+#include "vcg_ext/display/sphere_pattern.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/remeshing/icosphere_remesher.h"
 
 namespace sphere_propagation {
 namespace {
+
+enum class LandmarkColors { Place, Index };
+constexpr host::Named<LandmarkColors> schemes[]{{"Place on the sphere", LandmarkColors::Place},
+                                                {"Index as hue", LandmarkColors::Index}};
+
+Colors colorsOf(LandmarkColors scheme, const Points& places) {
+  if (scheme == LandmarkColors::Index) return landmarkColors(places.rows());
+  return sphereColors(places, Eigen::VectorXd::Zero(places.rows()), {SpherePattern::Direction});
+}
 
 /// Landmarks of all layers together, at most: about 6 GB of layers in MeshLab.
 constexpr long maxLandmarks = 20'000'000;
@@ -63,11 +76,13 @@ void tellOfLids(const host::Task& task, const std::vector<MappedLayer>& layers,
 class RemeshingFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::Remeshing, host::Arity::VisibleLayers);
+    return help_.describe(host::Menu::Remeshing | host::Menu::Layer, host::Arity::VisibleLayers);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     return {help_.parameter("frequency", 10), help_.parameter("color_landmarks", true),
+            help_.parameter("landmark_colors", host::choiceOf(schemes, LandmarkColors::Place)),
+            help_.parameter("beside_surfaces", host::hasWindow()),
             help_.parameter("threads", 0).asAdvanced()};
   }
 
@@ -85,11 +100,17 @@ class RemeshingFilter : public host::Filter {
                           landmarks * static_cast<long>(layers.size()), maxLandmarks);
     const IcosphereRemesher remesher(frequency);
     std::optional<Colors> colors;
-    if (task.values.flag("color_landmarks")) colors = landmarkColors(landmarks);
+    if (task.values.flag("color_landmarks"))
+      colors = colorsOf(task.values.choice("landmark_colors", schemes), remesher.sphere().vertices);
 
     const std::vector<std::optional<int>> earlier = earlierLandmarks(task, layers);
     const auto count = static_cast<int>(layers.size());
     const std::vector<Made> all = makeAll(remesher, layers, pool, task.progress);
+    const bool beside = task.values.flag("beside_surfaces");
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const Made& made : all) boxes.push_back(boxOf(made.landmarks));
+    const std::vector<Vector3> moves =
+        sideBySide(boxes, shownBeside(task.layers, host::LayerKind::Landmarks));
     Eigen::VectorXd mean(count), max(count), seconds(count), lid(count);
     std::vector<std::vector<int>> lids;
     for (int i = 0; i < count; ++i) {
@@ -103,6 +124,7 @@ class RemeshingFilter : public host::Filter {
       made.marks = landmarkMarks(layers[k].layer);
       markLids(made, all[k].lids);
       made.replacedId = earlier[k];
+      if (beside) made.aside = moves[k];
       task.changes.addLayer(made);
       mean[i] = all[k].distance.mean;
       max[i] = all[k].distance.max;
@@ -114,6 +136,10 @@ class RemeshingFilter : public host::Filter {
                seconds[i]);
     }
     tellOfLids(task, layers, lids, landmarks);
+    if (host::hasWindow()) task.changes.makeFirstNewLayerCurrent();
+    if (beside) task.say(messages::shownAside);
+    task.say(messages::landmarksSampled, task.layers.visible(host::LayerKind::Surface).size(),
+             count, hiddenLeftOut(task.layers, host::LayerKind::Surface));
     return {{"surface_distance_mean", mean},
             {"surface_distance_max", max},
             {"lid", lid},

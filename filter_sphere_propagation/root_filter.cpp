@@ -52,6 +52,7 @@ class RootFilter : public host::Filter {
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) +
              " s (" + nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") +
              ", " + counted(result.steps, "step", "steps") + ")");
+    task.say(messages::rootMade, layer.label());
     return {{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
             {"area_ratio_sd", measures.areaRatioSd},
             {"area_log_mean", measures.areaLogMean},

@@ -14,10 +14,13 @@
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
+#include "host/window.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/display/colors.h"
+#include "vcg_ext/display/side_by_side.h"
 #include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
@@ -193,8 +196,15 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
     }
   double range = 0;
   for (const Deviated& d : shapes) range = std::max(range, d.displacement.cwiseAbs().maxCoeff());
-  for (Deviated& d : shapes) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Deviated& d : shapes) boxes.push_back(boxOf(d.shape));
+  const std::vector<Vector3> moves =
+      sideBySide(boxes, shownBeside(task.layers, host::LayerKind::Model));
+  const bool beside = task.values.flag("beside_shapes");
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    Deviated& d = shapes[i];
     host::NewLayer layer;
+    if (beside) layer.aside = moves[i];
     layer.label = d.label;
     layer.kind = host::LayerKind::Model;
     layer.vertices = std::move(d.shape);
@@ -204,6 +214,8 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
     task.changes.addLayer(layer);
   }
   task.changes.removeOtherLayers(host::LayerKind::Model);
+  if (host::hasWindow()) task.changes.makeFirstNewLayerCurrent();
+  if (beside) task.say(messages::shownAside);
   if (modeLayers > 0) task.say(messages::coloursOfModes, range);
 }
 
@@ -226,6 +238,7 @@ class ShapeModelFilter : public host::Filter {
             host::Parameter::NewFile{
                 "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;"
                 "Mean and modes (*.ply);;Table of scores (*.csv)"}),
+        help_.parameter("beside_shapes", host::hasWindow()),
         help_.parameter("area_weights", false).asAdvanced(),
         help_.parameter("specificity_samples", measures.samples).asAdvanced(),
         help_.parameter("seed", static_cast<int>(measures.seed)).asAdvanced()};
@@ -290,6 +303,9 @@ class ShapeModelFilter : public host::Filter {
     } else {
       task.say(messages::notExported);
     }
+
+    task.say(messages::modelBuilt, given.shapeCount(), modes,
+             hiddenLeftOut(task.layers, host::LayerKind::Landmarks));
 
     host::Outputs outputs;
     outputs["eigenvalues"] = model.eigenvalues;

@@ -8,7 +8,9 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
+#include "host/window.h"
 #include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 
@@ -23,15 +25,13 @@ Eigen::Matrix3d sameSide(const MappedLayer& mapped) {
   return bestRotation(directions.transpose() * mapped.map.positions());
 }
 
-/// Where the spheres are shown beside the surfaces: in rows to the right of all of them (MeshLab
+/// Where the spheres are shown beside what is visible: in rows to the right of all of it (MeshLab
 /// looks along -z, y upwards), in layer order, each of its surface's area.
-std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers) {
-  Eigen::AlignedBox3d all;
+std::vector<Eigen::Matrix4d> placesBeside(const std::vector<MappedLayer>& layers,
+                                          const Eigen::AlignedBox3d& all) {
   std::vector<double> radii;
   for (const MappedLayer& mapped : layers) {
     const ClosedSurface& surface = mapped.mesh.surface;
-    all.extend(Vector3(surface.vertices().colwise().minCoeff().transpose()));
-    all.extend(Vector3(surface.vertices().colwise().maxCoeff().transpose()));
     radii.push_back(std::sqrt(faceAreas(surface.vertices(), surface.faces()).sum() / (4 * pi)));
   }
   const double radius = *std::max_element(radii.begin(), radii.end()), step = 2.25 * radius;
@@ -57,13 +57,14 @@ class SphereLayersFilter : public host::Filter {
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
-    return {help_.parameter("beside_surfaces", false)};
+    return {help_.parameter("beside_surfaces", host::hasWindow())};
   }
 
   host::Outputs run(host::Task& task) const override {
     const std::vector<MappedLayer> layers = mappedLayers(task);
     const bool beside = task.values.flag("beside_surfaces");
-    const std::vector<Eigen::Matrix4d> places = placesBeside(layers);
+    const std::vector<Eigen::Matrix4d> places =
+        placesBeside(layers, shownBeside(task.layers, host::LayerKind::Sphere));
     for (size_t i = 0; i < layers.size(); ++i) {
       const auto& [layer, mesh, map] = layers[i];
       host::NewLayer sphere;

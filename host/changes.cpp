@@ -30,6 +30,13 @@ void markMesh(CMeshO& mesh, const std::string& name, int value) {
   for (size_t v = 0; v < mesh.vert.size(); ++v) handle[v] = static_cast<Scalarm>(value);
 }
 
+/// The same point for all vertices. The mesh has the attribute.
+void fillAttribute(CMeshO& mesh, const std::string& name, const Vector3& value) {
+  auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, name);
+  for (size_t v = 0; v < mesh.vert.size(); ++v)
+    for (int k = 0; k < 3; ++k) handle[v][k] = static_cast<Scalarm>(value[k]);
+}
+
 std::unique_ptr<CMeshO> makeMesh(const NewLayer& layer) {
   auto mesh = std::make_unique<CMeshO>();
   meshFromSurface(layer.vertices, layer.faces, *mesh);
@@ -84,11 +91,13 @@ void mirrorLayer(MeshModel& layer, double plane) {
   Eigen::Matrix4d reflection = Eigen::Matrix4d::Identity();
   reflection(0, 0) = -1;
   reflection(0, 3) = 2 * plane;
-  const Eigen::Matrix4d matrix = matrixFromVcg(mesh.Tr);
+  const Eigen::Matrix4d matrix = Layer(layer).matrix();
   Eigen::Matrix4d ofVertices = matrix.inverse() * reflection * matrix;
   if (!ofVertices.allFinite()) {
     ofVertices = reflection * matrix;
     setMatrix(mesh, Eigen::Matrix4d::Identity());
+    Allocator::DeletePerVertexAttribute(mesh, inPlaceAttribute);
+    Allocator::DeletePerVertexAttribute(mesh, asideAttribute);
   }
   const Eigen::Matrix3d linear = ofVertices.topLeftCorner<3, 3>();
   const Vector3 shift = ofVertices.topRightCorner<3, 1>();
@@ -175,6 +184,12 @@ struct Changes::MarkChange {
   int value;
 };
 
+struct Changes::PlaceChange {
+  int layerId;
+  Vector3 inPlace;
+  std::optional<Vector3> aside;  // nothing: in its place again
+};
+
 struct Changes::LayerChange {
   std::string label;
   int replacedId;  // -1: a new layer
@@ -234,7 +249,27 @@ void Changes::setQuality(const Layer& layer, const MeshSurface& surface, Eigen::
   qualities_.push_back({layer.id(), surface.meshVertex, std::move(ofVertices), std::move(ofFaces)});
 }
 
-bool Changes::addLayer(const NewLayer& layer) {
+void Changes::showAside(const Layer& layer, const Vector3& move) {
+  const MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(layer.id()));
+  const Vector3 shown = matrixFromVcg(mesh.cm.Tr).topRightCorner<3, 1>();
+  places_.push_back({layer.id(), layer.matrix().topRightCorner<3, 1>(), Vector3(shown + move)});
+}
+
+void Changes::showInPlace(const Layer& layer) {
+  places_.push_back({layer.id(), layer.matrix().topRightCorner<3, 1>(), std::nullopt});
+}
+
+bool Changes::addLayer(const NewLayer& given) {
+  NewLayer shifted;
+  if (given.aside) {
+    shifted = given;
+    const Vector3 inPlace = given.matrix.topRightCorner<3, 1>(), aside = inPlace + *given.aside;
+    const Eigen::Index count = given.vertices.rows();
+    shifted.pointAttributes[inPlaceAttribute] = inPlace.transpose().replicate(count, 1);
+    shifted.pointAttributes[asideAttribute] = aside.transpose().replicate(count, 1);
+    shifted.matrix.topRightCorner<3, 1>() = aside;
+  }
+  const NewLayer& layer = given.aside ? shifted : given;
   const auto taken = [this](int id) {
     return std::any_of(layers_.begin(), layers_.end(),
                        [id](const LayerChange& c) { return c.replacedId == id; });
@@ -258,7 +293,9 @@ void Changes::remakeMesh(const Layer& layer, const MeshContent& former, RemadeMe
   NewLayer made;
   made.label = layer.label();
   made.replacedId = layer.id();
-  made.matrix = matrixFromVcg(old.Tr);
+  made.matrix = layer.matrix();
+  const Vector3 shown = matrixFromVcg(old.Tr).topRightCorner<3, 1>();
+  if (layer.isShownAside()) made.aside = shown - made.matrix.topRightCorner<3, 1>();
   const Eigen::Matrix4d inverse = made.matrix.inverse();
   const bool isInvertible = inverse.allFinite();
   if (!isInvertible) made.matrix = Eigen::Matrix4d::Identity();
@@ -314,7 +351,7 @@ class Changes::Preparation {
       : changes_(changes),
         document_(changes.document_),
         current_(document_.mm() != nullptr ? document_.mm()->id() : -1) {
-    made_.reserve(2 * changes.maps_.size() + changes.marks_.size());
+    made_.reserve(2 * changes.maps_.size() + changes.marks_.size() + 2 * changes.places_.size());
     enabled_.reserve(changes.maps_.size() + changes.qualities_.size());
     written_.reserve(changes.layers_.size());
   }
@@ -335,6 +372,11 @@ class Changes::Preparation {
     }
     for (const MarkChange& change : changes_.marks_)
       make<Scalarm>(layer(change.layerId), change.name);
+    for (const PlaceChange& change : changes_.places_) {
+      if (!change.aside) continue;
+      make<Point3m>(layer(change.layerId), inPlaceAttribute);
+      make<Point3m>(layer(change.layerId), asideAttribute);
+    }
     for (const QualityChange& change : changes_.qualities_) {
       if (!change.ofFaces) continue;
       MeshModel& mesh = layer(change.layerId);
@@ -449,6 +491,20 @@ int Changes::commit() {
   for (const MarkChange& change : marks_)
     markMesh(document_.getMesh(static_cast<unsigned int>(change.layerId))->cm, change.name,
              change.value);
+  for (const PlaceChange& change : places_) {
+    MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
+    if (change.aside) {
+      fillAttribute(mesh.cm, inPlaceAttribute, change.inPlace);
+      fillAttribute(mesh.cm, asideAttribute, *change.aside);
+    } else {
+      Allocator::DeletePerVertexAttribute(mesh.cm, inPlaceAttribute);
+      Allocator::DeletePerVertexAttribute(mesh.cm, asideAttribute);
+    }
+    const Vector3& to = change.aside ? *change.aside : change.inPlace;
+    for (int k = 0; k < 3; ++k) mesh.cm.Tr.ElementAt(k, 3) = static_cast<Scalarm>(to[k]);
+    mesh.setMeshModified();
+    changed |= MeshModel::MM_TRANSFMATRIX;
+  }
   for (const ColorChange& change : colors_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     mesh.updateDataMask(MeshModel::MM_VERTCOLOR);

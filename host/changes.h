@@ -36,6 +36,7 @@ struct NewLayer {
   std::map<std::string, Eigen::VectorXd> scalarAttributes;  ///< per vertex
   std::vector<char> selectedVertices, selectedFaces;        ///< empty: none
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  std::optional<Vector3> aside;  ///< by how much it is shown beside its place (asideAttribute)
   std::optional<int>
       replacedId;  ///< the layer that it takes the place of; default: see Changes::addLayer
 };
@@ -95,6 +96,13 @@ class Changes {
   /// vertices that were there; new ones are grey. All else that the layer carried is gone.
   void remakeMesh(const Layer& layer, const MeshContent& former, RemadeMesh mesh);
 
+  /// Shows a layer elsewhere than it is now, by its matrix alone; what is read of it stays what it
+  /// is in its place.
+  void showAside(const Layer& layer, const Vector3& move);
+
+  /// Shows a layer in its place again.
+  void showInPlace(const Layer& layer);
+
   /// Removes a layer.
   void removeLayer(const Layer& layer) { removedIds_.push_back(layer.id()); }
 
@@ -104,6 +112,9 @@ class Changes {
 
   /// Makes the first of the new layers the current one (else the current layer stays).
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
+
+  /// Whether layers are made or moved, so that the view is to be set anew.
+  bool movesLayers() const { return !layers_.empty() || !places_.empty(); }
 
   /// Writes everything. Called once, by the plugin, after the filter has returned. Returns what was
   /// changed on layers, as a mask of the host's. Throws std::bad_alloc, with the document as it
@@ -117,6 +128,7 @@ class Changes {
   struct ColorChange;
   struct QualityChange;
   struct MarkChange;
+  struct PlaceChange;
   struct LayerChange;
   MeshDocument& document_;
   std::vector<MapChange> maps_;
@@ -124,6 +136,7 @@ class Changes {
   std::vector<ColorChange> colors_;
   std::vector<QualityChange> qualities_;
   std::vector<MarkChange> marks_;
+  std::vector<PlaceChange> places_;
   std::vector<LayerChange> layers_;
   std::vector<int> removedIds_;
   bool firstBecomesCurrent_ = false;

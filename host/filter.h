@@ -29,6 +29,7 @@ enum class Menu {
   Cleaning = 64
 };
 inline int operator|(Menu a, Menu b) { return static_cast<int>(a) | static_cast<int>(b); }
+inline int operator|(int a, Menu b) { return a | static_cast<int>(b); }
 
 /// How many layers a filter works on.
 enum class Arity { None, CurrentLayer, VisibleLayers };

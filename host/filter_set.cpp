@@ -10,6 +10,7 @@
 #include "host/messages.h"
 #include "host/remedies.h"
 #include "host/warnings.h"
+#include "host/window.h"
 
 namespace sphere_propagation::host {
 namespace {
@@ -63,6 +64,33 @@ class RichValues : public ParameterValues {
 
  private:
   const RichParameterList& list_;
+};
+
+/// Writes what is kept for the end of the log, also where the filter fails.
+class EndOfLog {
+ public:
+  EndOfLog(const std::vector<Remark>& remarks, const std::function<void(const std::string&)>& log)
+      : remarks_(remarks), log_(log) {}
+  EndOfLog(const EndOfLog&) = delete;
+  EndOfLog& operator=(const EndOfLog&) = delete;
+  ~EndOfLog() {
+    try {
+      write(false);
+      write(true);
+    } catch (...) {  // the log has no room
+    }
+  }
+
+ private:
+  void write(bool summaries) const {
+    for (const Remark& remark : remarks_)
+      if (remark.kind != Message::Kind::News &&
+          (remark.kind == Message::Kind::Summary) == summaries)
+        log_(remark.line());
+  }
+
+  const std::vector<Remark>& remarks_;
+  const std::function<void(const std::string&)>& log_;
 };
 
 /// Calls MeshLab's callback when the percentage changes, and never backwards.
@@ -124,15 +152,19 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const RichValues richValues(values);
     std::vector<Remark> remarks;
     const auto tell = [&](const Remark& remark) {
-      log(remark.line());
+      if (remark.kind == Message::Kind::News) log(remark.line());
       remarks.push_back(remark);
     };
+    // What matters is said last, where it is seen: warnings and notes, then where the job stands.
+    const EndOfLog end(remarks, log);
     Task task{layers, richValues, changes, tell, percentReporter(callback, name)};
     Outputs outputs = filter.run(task);
     if (auto warnings = encodedWarnings(remarks)) outputs[warningsKey] = std::move(*warnings);
     report(task.progress, 1);  // runs the GUI's event loop, which must not meet layers that MeshLab
                                // has yet to take in
+    const bool moves = changes.movesLayers();
     const int changed = changes.commit();
+    if (moves) showEverything();
     return {std::nullopt, std::move(outputs), changed};
   } catch (const Error& error) {
     return {sentence(error), {}};

@@ -57,6 +57,17 @@ bool isModelName(const QString& label) {
 
 }  // namespace
 
+namespace {
+
+/// A point attribute of one value for all vertices.
+std::optional<Vector3> firstOf(const MeshModel& mesh, const char* name) {
+  const auto points = pointAttribute(mesh.cm, name);
+  if (!points || points->rows() == 0) return std::nullopt;
+  return Vector3(points->row(0).transpose());
+}
+
+}  // namespace
+
 double coordinateEpsilon() { return static_cast<double>(std::numeric_limits<Scalarm>::epsilon()); }
 
 int Layer::id() const { return mesh_->id(); }
@@ -78,13 +89,41 @@ LayerKind Layer::kind() const {
   return LayerKind::Surface;
 }
 
+int Layer::vertexCount() const { return mesh_->cm.vn; }
+
+bool Layer::isShownAside() const { return firstOf(*mesh_, asideAttribute).has_value(); }
+
+Eigen::Matrix4d Layer::matrix() const {
+  Eigen::Matrix4d matrix = matrixFromVcg(mesh_->cm.Tr);
+  const auto inPlace = firstOf(*mesh_, inPlaceAttribute), aside = firstOf(*mesh_, asideAttribute);
+  if (!inPlace || !aside) return matrix;
+  auto shown = matrix.topRightCorner<3, 1>();
+  if (shown == *aside)
+    shown = *inPlace;
+  else
+    shown -= *aside - *inPlace;
+  return matrix;
+}
+
+Eigen::AlignedBox3d Layer::shownBox() const {
+  const Eigen::Matrix4d matrix = matrixFromVcg(mesh_->cm.Tr);
+  Eigen::AlignedBox3d box;
+  for (const CVertexO& v : mesh_->cm.vert) {
+    if (v.IsD()) continue;
+    const Vector3 p =
+        (matrix * Eigen::Vector4d(v.cP()[0], v.cP()[1], v.cP()[2], 1)).template head<3>();
+    if (p.allFinite()) box.extend(p);
+  }
+  return box;
+}
+
 MeshSurface Layer::surface() const {
-  MeshSurface mesh = surfaceFromMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr), label());
+  MeshSurface mesh = surfaceFromMesh(mesh_->cm, matrix(), label());
   requireUsableExtent(mesh.surface);
   return mesh;
 }
 
-MeshContent Layer::content() const { return contentOfMesh(mesh_->cm, matrixFromVcg(mesh_->cm.Tr)); }
+MeshContent Layer::content() const { return contentOfMesh(mesh_->cm, matrix()); }
 
 std::optional<Points> Layer::attributePositions(const MeshSurface& surface) const {
   const auto stored = pointAttribute(mesh_->cm, spherePositionAttribute);

@@ -3,6 +3,7 @@
 /// The layers of a document as the filters see them: what kind each is, its surface, and the map
 /// that it carries.
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,12 @@ constexpr const char* sampledMapMark = "sphere_map";
 /// that the lid closes (from 1), 0 elsewhere. On prepared surfaces, and on landmarks of these.
 constexpr const char* lidAttribute = "lid";
 
+/// Layers that are shown beside their place carry, as point attributes with one value for all
+/// vertices, the translation of their matrix in place and the one that shows them aside. Where the
+/// matrix was changed since, the difference counts.
+constexpr const char* inPlaceAttribute = "shown_in_place";
+constexpr const char* asideAttribute = "shown_aside";
+
 /// What a layer is, told from what it holds, so that nothing need be hidden by hand and files
 /// loaded again are known.
 enum class LayerKind {
@@ -65,8 +72,15 @@ class Layer {
   bool visible() const;
   LayerKind kind() const;
 
-  /// The layer's geometry: its matrix times its vertices. Throws SurfaceError, which names the
-  /// layer.
+  int vertexCount() const;
+  /// Whether it is shown beside its place, see asideAttribute.
+  bool isShownAside() const;
+  /// The layer's matrix, as it is when the layer is in its place.
+  Eigen::Matrix4d matrix() const;
+  /// The box of its vertices where it is shown; empty where it has none that are finite.
+  Eigen::AlignedBox3d shownBox() const;
+  /// The layer's geometry: its matrix, as it is in place, times its vertices. Throws SurfaceError,
+  /// which names the layer.
   MeshSurface surface() const;
   /// What the layer holds, its matrix applied, whatever is wrong with it.
   MeshContent content() const;

@@ -20,7 +20,8 @@ struct Message {
     Warning,       ///< the result deserves a look
     LayerWarning,  ///< the same of a layer, which is named before the text
     Note,          ///< advice
-    News           ///< what was done
+    News,          ///< what was done
+    Summary        ///< where the job stands and what comes next: the last line of the log
   };
   const char* name;
   Kind kind;

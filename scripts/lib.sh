@@ -406,10 +406,24 @@ build_preset() {
     echo "$dir $MESHLAB_SOURCE_DIR $volumes" >"$dir/configured-for"
   fi
 
-  # On a terminal Ninja's one line shows that something moves.
-  local build=(cmake --build "$dir" ${targets[@]+"${targets[@]}"})
-  if [ ! -t 1 ]; then build=(logged "$dir/build.log" "${build[@]}"); fi
-  "${build[@]}" || die "the build of $preset failed"
+  # On a terminal Ninja's one line shows that something moves; elsewhere a line every half a minute does.
+  local build=(cmake --build "$dir" ${targets[@]+"${targets[@]}"}) watch= status=0
+  if [ ! -t 1 ]; then
+    build=(logged "$dir/build.log" "${build[@]}")
+    report_progress "$preset" "$dir/build.log" & watch=$!
+  fi
+  "${build[@]}" || status=$?
+  if [ -n "$watch" ]; then kill "$watch" 2>/dev/null || true; wait "$watch" 2>/dev/null || true; fi
+  [ "$status" -eq 0 ] || die "the build of $preset failed"
+}
+
+# What the last line of a build's log says, as long as it changes.
+report_progress() { # PRESET LOG
+  local line last=
+  while sleep 30; do
+    line=$(tail -n 1 "$2" 2>/dev/null | cut -c 1-100)
+    if [ "$line" != "$last" ]; then say "Building $1: $line"; last=$line; fi
+  done
 }
 
 # Where there is ccache, and no launcher of the caller's. The library of two presets with the same flags is compiled once.

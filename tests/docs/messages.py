@@ -27,6 +27,7 @@ DESCRIPTIONS = (
     "parameters(const host::Layers&) const override {",
     "::describe() const {",
     "patterns[]{",  # what the dialog calls them
+    "schemes[]{",
 )
 IN_PYTHON = re.compile(r".*(Error|warn|Warning|note|exit)$")
 

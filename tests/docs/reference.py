@@ -146,6 +146,8 @@ def default(parameter):
         return {"true": "yes", "false": "no"}[value]
     if parameter.get("name") == "root_layer":  # its default depends on the project
         return "the current layer, or the first with a map"
+    if parameter.get("name") == "cells":
+        return "by the coarsest mesh"
     return value or "empty"
 
 

@@ -20,7 +20,8 @@ SPHERES = "generate_sphere_layers"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PREPARE = "apply_surface_preparation"
 MODEL = "compute_statistical_shape_model"
-FILTERS = [PHANTOM, PREPARE, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR]
+LAYOUT = "apply_layers_side_by_side"
+FILTERS = [PHANTOM, PREPARE, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR, LAYOUT]
 
 MENU_OF = {
     PHANTOM: "Beating ventricle phantom",
@@ -32,6 +33,7 @@ MENU_OF = {
     SPHERES: "Show parameterisation as sphere layers",
     COLOR: "Colour by spherical parameterisation",
     MODEL: "Build statistical shape model",
+    LAYOUT: "Lay layers side by side",
 }
 
 ATTRIBUTE = "sphere_position"

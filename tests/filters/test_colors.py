@@ -325,7 +325,7 @@ def test_spheres_beside_the_surfaces():
     assert ms.apply_filter(PROPAGATE, order="Cyclic time")["parent"].shape == (5,)
     ms.apply_filter(COLOR)
     assert all(np.array_equal(rgb(a), rgb(b)) for a, b in zip(surfaces_of(ms), spheres(ms)))
-    ms.apply_filter(SPHERES)
+    ms.apply_filter(SPHERES, beside_surfaces=False)
     assert ms.mesh_number() == 10
     assert all(np.array_equal(m.transform_matrix(), np.eye(4)) for m in spheres(ms))
 

@@ -13,6 +13,7 @@ from documents import (
     ATTRIBUTE,
     EVALUATE,
     FILTERS,
+    LAYOUT,
     MODEL,
     PHANTOM,
     PROPAGATE,
@@ -239,7 +240,7 @@ def test_all_filters_twice_in_one_project():
 
 def test_each_filter_twice_in_a_row():
     ms = small_cycle()
-    for name in FILTERS[1:]:
+    for name in (n for n in FILTERS[1:] if n != LAYOUT):  # which takes back what it did
         first = ms.apply_filter(name)
         before = snapshot(ms)
         assert same(figures_only(first), figures_only(ms.apply_filter(name))), name

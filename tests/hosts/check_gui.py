@@ -39,8 +39,10 @@ FILTERS = {  # menu entry -> menus that show it
     },
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
     "Prepare surface": {"Cleaning and Repairing"},
+    "Lay layers side by side": {"Mesh Layer"},
 }
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-1]
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-2]
+LAYOUT = "Lay layers side by side"
 IMPORT = "Import label volume as layers"
 PHASES = [f"ventricle {i}" for i in range(5)]
 
@@ -120,6 +122,7 @@ def test_every_filter_is_in_its_menus(start, sample):
                 found.setdefault(entry["text"], set()).add(entry["menu"])
         assert set(found) == set(FILTERS)
         assert {name: menus & found[name] for name, menus in FILTERS.items()} == FILTERS
+        assert all("Mesh Layer" in menus for menus in found.values())  # all stand together
 
 
 def test_dialogs_fit_a_small_screen(start, sample):
@@ -132,7 +135,7 @@ def test_dialogs_fit_a_small_screen(start, sample):
             gui.open_filter(name)
             off[name] = gui.button_off_screen()
             gui.close_dialog()
-        assert set(FILTERS) - {EVALUATE} <= set(off)
+        assert set(FILTERS) - {EVALUATE, LAYOUT} <= set(off)
         assert not any(off.values()), off
 
 
@@ -169,6 +172,10 @@ def test_the_main_job(start, sample):
             p + " landmarks" for p in PHASES
         ]
         assert "15 layers coloured" in gui.apply(COLOR, Pattern="Area ratio")
+        gui.close_dialog()
+        gui.run(LAYOUT)
+        show(gui, "15-side-by-side")
+        gui.run(LAYOUT)
         assert gui.run(EVALUATE).count("0 flipped faces") == 5
         ms, layers = saved(gui, sample.parent / "result.mlp")
     assert certified(ms) == 5

@@ -38,13 +38,11 @@ name=\\"MeshLab::System::sendAnonymousData\\" description=\\"\\" tooltip=\\"\\"/
 """
 
 
-# The filters that have a dialog, as the plugins' help calls them.
-HELP = sorted(Path(__file__).parents[2].glob("filter_*/help/*.html"))
-FILTERS_WITH_DIALOG = [
-    re.search("<title>(.*)</title>", text).group(1)
-    for text in (file.read_text() for file in HELP)
-    if "<dl>" in text
-]
+# The filters as the plugins' help calls them, and those that have a dialog.
+_HELP = [f.read_text() for f in sorted(Path(__file__).parents[2].glob("filter_*/help/*.html"))]
+_TITLES = {text: re.search("<title>(.*)</title>", text) for text in _HELP}
+FILTERS = [title.group(1) for title in _TITLES.values() if title]
+FILTERS_WITH_DIALOG = [t.group(1) for text, t in _TITLES.items() if t and "<dl>" in text]
 
 
 class GuiError(Exception):

@@ -7,9 +7,9 @@ import shutil
 import documents
 import pymeshlab
 import pytest
-from gui import FILTERS_WITH_DIALOG, GuiError, until
+from gui import FILTERS, FILTERS_WITH_DIALOG, GuiError, until
 
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM, MODEL = (
+ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM, MODEL, LAYOUT = (
     "Spherical parameterise root",
     "Propagate parameterisation to layers",
     "Remesh by icosphere",
@@ -17,11 +17,18 @@ ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM, MODEL = (
     "Show parameterisation as sphere layers",
     "Beating ventricle phantom",
     "Build statistical shape model",
+    "Lay layers side by side",
 )
 
 
 def ready(gui, count):
     until(lambda: len(gui.layers()) == count, f"{count} layers")
+
+
+def opened(gui, count):
+    """Also where the machine is so busy that a layer is listed long before it is read."""
+    until(lambda: gui.log().count("Opened mesh") == count, f"{count} files to be read")
+    ready(gui, count)
 
 
 def names(gui):
@@ -41,6 +48,7 @@ def test_the_whole_job(meshlab, surfaces):
             ("Quality Measure and Computations", EVALUATE),
             ("Mesh Layer", SPHERES),
             ("Create New Mesh Layer", PHANTOM),
+            *(("Mesh Layer", name) for name in FILTERS),  # all stand together
         ]:
             assert (menu, name) in menus
 
@@ -125,7 +133,7 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
 def test_dialogs_fit_a_small_screen(meshlab, surfaces):
     """Apply is seen on a laptop's screen, in the dialog of every filter."""
     with meshlab(*surfaces[:2], screen=(1280, 768)) as gui:
-        ready(gui, 2)
+        opened(gui, 2)
         gui.fill_screen()
         off = {}
         for name in FILTERS_WITH_DIALOG:
@@ -137,7 +145,7 @@ def test_dialogs_fit_a_small_screen(meshlab, surfaces):
 
 def test_advanced_parameters_are_folded_away(meshlab, surfaces):
     with meshlab(*surfaces[:2]) as gui:
-        ready(gui, 2)
+        opened(gui, 2)
 
         def labels():
             return {w["text"] for w in gui.widgets() if w["window"] == PROPAGATE}
@@ -163,9 +171,34 @@ def test_a_path_that_is_typed_counts(meshlab, surfaces, tmp_path):
     """MeshLab itself takes a file from its chooser only."""
     file = tmp_path / "model.csv"
     with meshlab(*surfaces[:2]) as gui:
-        ready(gui, 2)
+        opened(gui, 2)
         for name in (ROOT, PROPAGATE, REMESH):
             gui.apply(name)
         assert "Export file: none" in gui.apply(MODEL)
         assert f"written: {file}" in gui.apply(MODEL, Export_file=str(file))
         assert file.read_text().count("\n") == 3
+
+
+def test_results_are_shown_beside_what_they_came_from(meshlab, surfaces, tmp_path):
+    files = [shutil.copy(file, tmp_path) for file in surfaces[:2]]
+    with meshlab(*files) as gui:
+        opened(gui, 2)
+        gui.fill_screen()
+        gui.apply(ROOT)
+        assert "2 surfaces, 2 mapped. Next: Remesh by icosphere." in gui.apply(PROPAGATE)
+        assert "shown to the right" in gui.apply(REMESH)
+        assert "A model of 2 shapes, 1 mode." in gui.apply(MODEL)
+        gui.close_dialog()
+        gui.picture("beside")
+        assert any(w["text"] == "mean shape" for w in gui.widgets())  # the current layer
+        gui.save_project(tmp_path / "saved.mlp")
+        assert "7 layers side by side" in gui.run(LAYOUT)
+        gui.picture("side-by-side")
+        assert "7 layers are in place" in gui.run(LAYOUT)
+        assert "A model of 2 shapes, 1 mode." in gui.apply(MODEL)  # of the same landmarks
+    meshes = pymeshlab.MeshSet()
+    meshes.load_project(str(tmp_path / "saved.mlp"))
+    x = [m.transformed_vertex_matrix()[:, 0] for m in meshes]
+    assert len(x) == 7
+    for left, right in [(0, 2), (1, 2), (2, 3), (3, 4), (4, 5)]:
+        assert x[left].max() < x[right].min()

@@ -9,14 +9,15 @@ namespace sphere_propagation {
 /// #N by 3 list of red, green, blue.
 using Colors = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// Colours that tell landmarks apart, and the same on all shapes: correspondence made visible
-/// (figure 2 of M. Kirschner and S. Wesarg, Propagation of shape parameterisation for the
-/// construction of a statistical shape model of the left ventricle).
+/// The index of a landmark as its hue, the same on all shapes: the paper's picture of
+/// correspondence (figure 2 of M. Kirschner and S. Wesarg, Propagation of shape parameterisation
+/// for the construction of a statistical shape model of the left ventricle).
 ///
-/// The index of a landmark as its hue: landmark j of `count` has the HSV colour (j / count of the
+/// Landmark j of `count` has the HSV colour (j / count of the
 /// full turn, 1, 1). As the icosphere numbers its vertices in rows from pole to pole, the hue runs
 /// once through the rainbow from the north pole of the map (red) over its equator (cyan) to the
-/// south pole (red again), and a little along each row.
+/// south pole (red again), and a little along each row: apex and base look alike, and drift round
+/// the axis does not show. SpherePattern::Direction shows both.
 Colors landmarkColors(Eigen::Index count);
 
 /// How far each vertex has moved along the normal of where it was: positive outwards. #V.

@@ -96,6 +96,13 @@ void setColor(Colors& colors, Eigen::Index row, const Color& color) {
 
 }  // namespace
 
+int cellsFor(Eigen::Index vertices) {
+  constexpr double perField = 36;
+  const double cells = std::sqrt(static_cast<double>(std::max<Eigen::Index>(vertices, 0)) /
+                                 (1.5 * perField));  // half as many again round the equator
+  return 2 * std::clamp(static_cast<int>(std::lround(cells / 2)), 2, 8);
+}
+
 Eigen::VectorXd sphereSpacing(const Points& positions, const Triangles& faces) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(positions.rows()), count = sum;
   for (Eigen::Index f = 0; f < faces.rows(); ++f)

@@ -32,6 +32,10 @@ struct SpherePatternParameters {
   int around() const { return 2 * ((3 * cells + 3) / 4); }
 };
 
+/// Fields from pole to pole that a mesh of so many vertices can show: some six by six vertices
+/// each, an even number from 4 to 16.
+int cellsFor(Eigen::Index vertices);
+
 /// Mean length of the edges at each vertex on the sphere, in radians, #V. positions: #V by 3 unit
 /// vectors; faces: of a closed mesh.
 Eigen::VectorXd sphereSpacing(const Points& positions, const Triangles& faces);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "filter_sphere_propagation/summaries.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "filter_sphere_propagation/messages.h"
+
+namespace sphere_propagation {
+
+std::string hiddenLeftOut(const host::Layers& layers, host::LayerKind kind) {
+  constexpr size_t maxNamed = 5;
+  std::vector<std::string> hidden;
+  for (const host::Layer& layer : layers.all(kind))
+    if (!layer.visible()) hidden.push_back(layer.label());
+  if (hidden.empty()) return "";
+  std::string names;
+  for (size_t i = 0; i < std::min(hidden.size(), maxNamed); ++i)
+    names += (i > 0 ? ", \"" : "\"") + hidden[i] + "\"";
+  if (hidden.size() > maxNamed)
+    names += " and " + std::to_string(hidden.size() - maxNamed) + " more";
+  return host::said(messages::hiddenLayers, names);
+}
+
+Eigen::AlignedBox3d shownBeside(const host::Layers& layers, host::LayerKind kind) {
+  Eigen::AlignedBox3d box;
+  for (const host::LayerKind other : {host::LayerKind::Surface, host::LayerKind::Landmarks,
+                                      host::LayerKind::Sphere, host::LayerKind::Model}) {
+    // The model stands last: what is made anew before it does not move behind it.
+    if (other == kind || other == host::LayerKind::Model) continue;
+    for (const host::Layer& layer : layers.visible(other)) box.extend(layer.shownBox());
+  }
+  return box;
+}
+
+}  // namespace sphere_propagation
