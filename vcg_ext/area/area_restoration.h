@@ -13,7 +13,7 @@ namespace sphere_propagation {
 /// area_energy.h. Its shape term compares with the faces of the given map, not with those of the
 /// surface: of all maps with these areas the one asked for deforms the given one the least, and
 /// nothing happens where nothing has to. (Maps of given areas are many: with the surface's shapes
-/// the vertices slide towards the map that the surface prefers, and layers that corresponded no
+/// the vertices slide towards the map that the surface prefers, and surfaces that corresponded no
 /// longer do.) A rotation is no deformation: in the end the sphere is turned back onto the given
 /// map, in the least squares of the vertices weighted by their areas on the surface.
 ///

@@ -40,7 +40,7 @@ void requireIcosphereFrequency(int frequency);
 Icosphere icosphere(int frequency);
 
 /// The frequency whose icosphere has this number of vertices and exactly this face list, if there
-/// is one: that is how a layer of landmarks is recognised. Costs nothing unless the numbers of
+/// is one: that is how a mesh of landmarks is recognised. Costs nothing unless the numbers of
 /// vertices and faces agree with an icosphere's.
 std::optional<int> icosphereFrequency(Eigen::Index vertexCount, const Triangles& faces);
 

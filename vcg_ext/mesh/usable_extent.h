@@ -2,7 +2,7 @@
 #pragma once
 /// What a surface must be, beyond a sphere topologically, so that figures mean something: neither
 /// flat nor so large or so small that products of lengths leave the range of numbers. A root map
-/// can be made of either; lengths, areas and alignment of several layers cannot be computed.
+/// can be made of either; lengths, areas and alignment of several surfaces cannot be computed.
 
 #include <string>
 

@@ -36,7 +36,7 @@ FoundPose poseAsItLies(const PreparedSurface& shape, const PreparedSurface& as,
   return found;
 }
 
-/// The pose relative to a layer that lies well, `as` moved by asToRoot.
+/// The pose relative to a surface that lies well, `as` moved by asToRoot.
 FoundPose findPose(const PreparedSurface& shape, const PreparedSurface& as,
                    const RigidMotion& asToRoot) {
   FoundPose found = poseAsItLies(shape, as, asToRoot);
@@ -71,7 +71,7 @@ std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const Propagatio
     const auto near = static_cast<size_t>(s), far = static_cast<size_t>(ancestor);
     FoundPose found = findPose(shape, sequence[ancestor], poses[far].toRoot);
     if (found.pose.moved && near != far) found = findPose(shape, sequence[s], poses[near].toRoot);
-    // Behind a layer that does not belong to the others: where one farther up fits as this one
+    // Behind a surface that does not belong to the others: where one farther up fits as this one
     // lies, it lies well.
     for (int a = tree.parent[far]; found.pose.moved && a >= 0;
          a = tree.parent[static_cast<size_t>(a)]) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Layers that lie somewhere else than the rest of the sequence: shifted, or turned round.
+/// Surfaces that lie somewhere else than the rest of the sequence: shifted, or turned round.
 /// (Mirrored ones: mirroring.h.)
 ///
-/// A motion model cannot tell a layer that was moved as a whole from tissue that slid along its
+/// A motion model cannot tell a surface that was moved as a whole from tissue that slid along its
 /// surface: it has to know the pose first. Phases of one scan share a frame, and what they move in
-/// it is the heart's; so a layer is taken as it lies unless another pose fits its parent far
+/// it is the heart's; so a surface is taken as it lies unless another pose fits its parent far
 /// better.
 
 #include <vector>
@@ -18,15 +18,15 @@
 namespace sphere_propagation {
 
 struct LayerPose {
-  RigidMotion toRoot;  ///< lays the layer where it would lie in the root's frame; the identity
+  RigidMotion toRoot;  ///< lays the surface where it would lie in the root's frame; the identity
                        ///< where it lies there
   bool moved = false;  ///< whether it is in another pose than its parent
   double shift = 0;    ///< of its centre by toRoot, in the unit of the vertices
   double angle = 0;    ///< of toRoot's rotation, degrees
 };
 
-/// tree: one entry per layer of the sequence; a layer's pose is found relative to its
-/// parent's. Distances of shapes are those of shape_alignment.h: a layer within 0.05 R of its
+/// tree: one entry per surface of the sequence; a surface's pose is found relative to its
+/// parent's. Distances of shapes are those of shape_alignment.h: a surface within 0.05 R of its
 /// parent (R: the radius of the sphere of its area) is as it should be; of others the best of many
 /// poses counts where it makes the distance at least 1.6 times smaller (over a heart's cycle,
 /// neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for where a
@@ -35,7 +35,7 @@ struct LayerPose {
 std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const PropagationTree& tree,
                                       ThreadPool& pool);
 
-/// The sequence with every layer that lies elsewhere laid where it would lie in the root's frame.
+/// The sequence with every surface that lies elsewhere laid where it would lie in the root's frame.
 Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<LayerPose>& poses);
 
 }  // namespace sphere_propagation

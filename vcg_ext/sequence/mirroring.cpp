@@ -12,14 +12,14 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double lies = 0.15;  // in R: as it lies to its parent, a layer needs no other pose
+constexpr double lies = 0.15;  // in R: as it lies to its parent, a surface needs no other pose
 constexpr double meshNoise = 0.003, halfAsGood = 0.05, recognisable = 0.25;  // in R
 constexpr double mostEvidence = 1, noEvidence = 0.05;
 constexpr double usual = 0.15, certain = 0.5;
 constexpr int rounds = 3, pairsPerRound = 2;
 constexpr int exactLayers = 16;  // 2^15 choices of sides
 
-/// How a layer comes to lie on the root: itself and its mirror image.
+/// How a surface comes to lie on the root: itself and its mirror image.
 struct Poses {
   Isometry itself, image;
 };
@@ -68,7 +68,7 @@ class Sides {
 
   struct Best {
     Choice sides;
-    std::vector<double> loss;  // of choosing the other side for a layer
+    std::vector<double> loss;  // of choosing the other side for a surface
   };
 
   /// As a gain over all being right.
@@ -184,7 +184,7 @@ class Sides {
   int fixed_;
 };
 
-/// How different two layers are by what mirroring does not change: their moments.
+/// How different two surfaces are by what mirroring does not change: their moments.
 Eigen::MatrixXd differencesOfMoments(const Sequence& sequence) {
   const int count = sequence.size();
   Eigen::MatrixXd moments(count, 5);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Layers that are mirror images of the others, a left bone among right ones, and what makes them
+/// Surfaces that are mirror images of the others, a left bone among right ones, and what makes them
 /// alike: what groomers of shape models call to reflect (J. Cates, S. Elhabian and R. Whitaker,
 /// ShapeWorks: particle-based shape correspondence and visualization software, 2017).
 
@@ -27,35 +27,35 @@ struct LayerSide {
                          ///< are mirrored is not known
 };
 
-/// Which side each layer is on, for the sequence as a whole; the root tells which side is right.
+/// Which side each surface is on, for the sequence as a whole; the root tells which side is right.
 ///
-/// Of a pair of layers the evidence is ln(m / s), s and m being how far the one lies off the other
-/// at best as it is, and as its mirror image (chirality.h): at most 1 either way, nothing where it
-/// is below 0.05, the less the worse both fit (half at 0.05 R, none beyond 0.25 R). The sides s_i =
-/// +-1 maximise
+/// Of a pair of surfaces the evidence is ln(m / s), s and m being how far the one lies off the
+/// other at best as it is, and as its mirror image (chirality.h): at most 1 either way, nothing
+/// where it is below 0.05, the less the worse both fit (half at 0.05 R, none beyond 0.25 R). The
+/// sides s_i = +-1 maximise
 ///   sum over pairs of evidence s_i s_j + 0.15 sum s_i,
-/// since most layers are as they should be; a layer's side is certain where every choice of sides
-/// with the other one is worse by at least 0.5. Pairs are the arcs of the tree, and of layers whose
-/// side is not certain those with the layers whose axes are the most alike, up to six. So a shape
-/// that is nearly its own mirror image, as skulls are, stays, and so do all where mirrored layers
-/// are about as many as others that the root tells nothing about.
+/// since most surfaces are as they should be; a surface's side is certain where every choice of
+/// sides with the other one is worse by at least 0.5. Pairs are the arcs of the tree, and of
+/// surfaces whose side is not certain those with the surfaces whose axes are the most alike, up to
+/// six. So a shape that is nearly its own mirror image, as skulls are, stays, and so do all where
+/// mirrored surfaces are about as many as others that the root tells nothing about.
 ///
-/// sequence: of one size (layer_sizes.h); tree: one entry per layer.
+/// sequence: of one size (layer_sizes.h); tree: one entry per surface.
 std::vector<LayerSide> findSides(const Sequence& sequence, const PropagationTree& tree,
                                  ThreadPool& pool);
 
-/// The sides that this evidence speaks for: #layers by #layers, symmetric, positive where two are
-/// alike. fixed: the layer that is on the right side.
+/// The sides that this evidence speaks for: #surfaces by #surfaces, symmetric, positive where two
+/// are alike. fixed: the surface that is on the right side.
 std::vector<LayerSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed);
 
 struct ReflectedSequence {
-  Sequence sequence;                          ///< with the mirrored layers reflected
+  Sequence sequence;                          ///< with the mirrored surfaces reflected
   std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
   PropagationTree tree;                       ///< of the order, for the sequence as it is now
   std::vector<LayerSide> sides;               ///< as they were found
 };
 
-/// Finds the sides of the layers (as large as the others: layer_sizes.h). Reflected are, where
+/// Finds the sides of the surfaces (as large as the others: layer_sizes.h). Reflected are, where
 /// `reflects` says so, those that are certainly mirrored, each across the plane x = ... through its
 /// centroid (of its area). Where the order goes by shape, the tree is made again for what they are
 /// then.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Which layer hands its map to which: the orders on offer, as the user chooses among them.
+/// Which surface hands its map to which: the orders on offer, as the user chooses among them.
 
 #include <vector>
 
@@ -19,13 +19,13 @@ struct PropagationOrder {
     Given,           ///< givenOrder: as the user says
   };
   Kind kind = Kind::Time;
-  std::vector<int> parents = {};  ///< of Kind::Given: one entry per layer, -1 for the root
+  std::vector<int> parents = {};  ///< of Kind::Given: one entry per surface, -1 for the root
 
   /// Whether the tree depends on what the surfaces look like.
   bool goesByShape() const { return kind == Kind::SimilarityTree; }
 };
 
-/// The tree of this order with this root. Throws ParameterError when the root is no layer, or a
+/// The tree of this order with this root. Throws ParameterError when the root is no surface, or a
 /// given order is no tree or has another root.
 PropagationTree makeTree(const PropagationOrder& order, const Sequence& sequence, int root,
                          ThreadPool& pool);

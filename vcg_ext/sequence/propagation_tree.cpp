@@ -17,8 +17,8 @@ std::vector<std::vector<int>> childrenOf(const std::vector<int>& parent) {
   return children;
 }
 
-/// The tree of these arcs, breadth first. Layers on or behind a circle are in no order: the caller
-/// looks for them.
+/// The tree of these arcs, breadth first. Surfaces on or behind a circle are in no order: the
+/// caller looks for them.
 PropagationTree treeOf(std::vector<int> parent, int root) {
   const std::vector<std::vector<int>> children = childrenOf(parent);
   std::vector<int> order{root};

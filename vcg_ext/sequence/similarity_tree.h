@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The order "Similarity tree" for layers that are in no order: everyone gets the map from somebody
-/// alike. The paper names an automatic order for unordered shapes as future work. (The orders in
-/// time: propagation_tree.h.)
+/// The order "Similarity tree" for surfaces that are in no order: everyone gets the map from
+/// somebody alike. The paper names an automatic order for unordered shapes as future work. (The
+/// orders in time: propagation_tree.h.)
 
 #include <Eigen/Core>
 #include <vector>
@@ -13,22 +13,21 @@
 
 namespace sphere_propagation {
 
-/// How much every two layers differ: #layers by #layers, symmetric, zero diagonal, in the unit of
-/// the vertices.
+/// How much every two surfaces differ: #surfaces by #surfaces, symmetric, zero diagonal, in the
+/// unit of the vertices.
 ///
-/// The distance of two layers is the root mean square distance of about 100 vertices of one, spread
-/// evenly, from the other's surface, and the other way round, averaged; after a rigid alignment by
-/// closest points from the best of five poses: as they are, and the four that lay principal axes on
-/// principal axes. Scale counts, rotation and translation do not. Deterministic. 30 layers of 5000
-/// vertices take less than a second. pool: who does the work, with the same result whatever the
-/// number of threads.
+/// The distance of two surfaces is the root mean square distance of about 100 vertices of one,
+/// spread evenly, from the other's surface, and the other way round, averaged; after a rigid
+/// alignment by closest points from the best of five poses: as they are, and the four that lay
+/// principal axes on principal axes. Scale counts, rotation and translation do not. Deterministic.
+/// 30 surfaces of 5000 vertices take less than a second. pool: who does the work, with the same
+/// result whatever the number of threads.
 Eigen::MatrixXd shapeDistances(const Sequence& sequence, ThreadPool& pool);
 
 /// The tree of least total distance (R. C. Prim, Shortest connection networks and some
-/// generalizations, 1957), grown from the root; of equal distances the smallest layer goes first,
-/// and to the smallest parent. distances: #layers by #layers, symmetric, finite; root: 0 .. #layers
-/// - 1. Throws ParameterError when the matrix is not square and symmetric or the root is outside
-/// its range.
+/// generalizations, 1957), grown from the root; of equal distances the smallest surface goes first,
+/// and to the smallest parent. distances: #surfaces by #surfaces, symmetric, finite; root: from 0.
+/// Throws ParameterError when the matrix is not square and symmetric or the root is no surface.
 PropagationTree minimumSpanningTree(const Eigen::MatrixXd& distances, int root);
 
 struct SimilarityTree {
@@ -36,7 +35,7 @@ struct SimilarityTree {
   Eigen::MatrixXd distances;  ///< of shapeDistances
 };
 
-/// minimumSpanningTree of shapeDistances. Throws ParameterError when the root is no layer.
+/// minimumSpanningTree of shapeDistances. Throws ParameterError when the root is no surface.
 SimilarityTree similarityTree(const Sequence& sequence, int root, ThreadPool& pool);
 
 }  // namespace sphere_propagation
