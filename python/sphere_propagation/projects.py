@@ -70,8 +70,8 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
 
 def write_landmarks(path, result: Correspondence) -> None:
     """All landmarks in one file; its ending chooses: .npz (landmarks (surfaces, N, 3), faces,
-    names, root, unit, lid (N,)) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks count from
-    0)."""
+    names, root, unit, lid (N,)) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks
+    count from 0)."""
     path = path_of(path)
     if not isinstance(result, Correspondence):
         raise InputError(f"Landmarks are those of correspond(), not of {type(result).__name__}.")
