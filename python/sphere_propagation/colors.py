@@ -6,11 +6,16 @@ from __future__ import annotations
 import numpy as np
 
 
-def landmark_colors(count: int) -> np.ndarray:
-    """The index of a landmark as its hue, from pole to pole of the map; the same landmark has the
-    same colour on all layers."""
-    sixths = 6 * (np.arange(count)[:, None] / count - np.array([0, 1 / 3, 2 / 3]))
-    return np.clip(2 - np.abs((sixths + 3) % 6 - 3), 0, 1)
+def place_colors(longitude, latitude, amplitude: float = 0.45) -> np.ndarray:
+    """The pattern Direction of vcg_ext/display/sphere_pattern.h: the hue turns once with the
+    longitude (in turns) and fades towards the poles, light in the north, dark in the south
+    (latitude in quarter turns). So drift in any direction shows, round the axis as well."""
+    longitude, latitude = np.asarray(longitude, float), np.asarray(latitude, float)
+    turns = longitude[..., None] - np.array([0.02, 0.36, 0.66])
+    hue = 0.98 - amplitude + amplitude * np.cos(2 * np.pi * turns)
+    pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
+    fading = np.abs(latitude)[..., None] ** 3
+    return (1 - fading) * hue + fading * pole
 
 
 def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.ndarray:
@@ -22,14 +27,11 @@ def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.nd
     the south.
     """
     longitude, latitude = np.asarray(longitude, float), np.asarray(latitude, float)
-    hue = 0.66 + 0.32 * np.cos(2 * np.pi * (longitude[..., None] - np.array([0.02, 0.36, 0.66])))
-    pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
-    fading = np.abs(latitude)[..., None] ** 3
     around = 2 * ((3 * cells + 3) // 4)
     dark = (
         np.floor(longitude % 1 * around) + np.floor((1 - latitude) / 2 * cells * (1 - 1e-12))
     ) % 2
-    return ((1 - fading) * hue + fading * pole) * (1 - shade * dark[..., None])
+    return place_colors(longitude, latitude, 0.32) * (1 - shade * dark[..., None])
 
 
 def sphere_coordinates(positions: np.ndarray):

@@ -335,6 +335,16 @@ def remesh(
     return Landmarks(points, made[0].face_matrix(), figures, lid)
 
 
+def landmark_places(surface: SurfaceLike, map: MapLike, count: int) -> np.ndarray:
+    """Where the landmarks lie on the sphere, (count, 3) unit vectors: the icosphere's vertices, as
+    closely as the surface's triangles allow. surface, map: any that they were sampled from."""
+    surface, map = as_surface(surface), as_map(map)
+    # The map's own sphere as a surface, which must not be taken for a layer of spheres.
+    sphere = Surface(10 * map.positions, surface.faces, "sphere")
+    points = remesh([sphere], [map], frequency=round(((count - 2) / 10) ** 0.5)).points[0]
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
 def shape_model(
     points: np.ndarray,
     faces: np.ndarray,

@@ -120,7 +120,8 @@ def _landmarks_caption(section: Section) -> str:
     row = section.rows[0]
     return (
         f"{row.result.landmarks.shape[1]} landmarks on some {row.noun}s. Landmark j has one colour "
-        "on all of them: it is the same place."
+        "on all of them: it is the same place. The hue is the longitude on the sphere; the north "
+        "is light, the south dark, so that drift shows in any direction."
     )
 
 

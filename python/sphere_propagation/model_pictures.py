@@ -79,7 +79,7 @@ def modes(
     rotation = upright(model.mean, up)
     seen = np.concatenate([model.mean, *shapes.values()]) @ rotation.T
     center, extent = (seen.min(0) + seen.max(0)) / 2, 0.53 * (seen.max(0) - seen.min(0))[:2]
-    scale = 380 / extent.max() / 2 * 1.5
+    scale = 210 / extent.max()
     size = [max(2, round(2 * length * scale)) for length in extent]
     scene = Scene(size[0] * len(shapes), size[1])
     places = {key: (k * size[0], 0, *size) for k, key in enumerate(shapes)}
@@ -94,7 +94,7 @@ def modes(
     width = 1.5 * cells + 0.5
     picture = (width - 0.5) / cells * ratio
     top, bottom = 1.0, 1.2
-    figure = plt.figure(figsize=(width, picture + top + bottom), dpi=150, facecolor="white")
+    figure = plt.figure(figsize=(width, picture + top + bottom), dpi=130, facecolor="white")
     height = picture + top + bottom
     figure.text(
         0.25 / width,
@@ -162,7 +162,7 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     """Compactness, generalisation and specificity by number of modes, with their standard
     errors."""
     plt = matplotlib_pyplot()
-    figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=150)
+    figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=130)
     count = np.arange(1, len(model.modes) + 1)
     panels = (
         (
@@ -220,7 +220,7 @@ def _scores_of_phases(row: Row, units, labels, names, path) -> None:
         1,
         1 + plane,
         figsize=(12.8 if plane else 7.6, 4.6),
-        dpi=150,
+        dpi=130,
         squeeze=False,
         gridspec_kw={"width_ratios": (1.45, 1)[: 1 + plane]},
     )
@@ -283,7 +283,7 @@ def _scores_of_shapes(row: Row, units, labels, names, path) -> None:
     plane, few = units.shape[1] > 1, len(names) <= BY_NAME
     height = max(4.6, 1.5 + 0.24 * len(names)) if few else 4.6
     figure, axes = plt.subplots(
-        1, 1 + plane, figsize=(12.8 if plane else 7.6, height), dpi=150, squeeze=False
+        1, 1 + plane, figsize=(12.8 if plane else 7.6, height), dpi=130, squeeze=False
     )
     left, *rest = axes[0]
     if few:
@@ -346,7 +346,7 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
 
 def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
     plt = matplotlib_pyplot()
-    figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=150)
+    figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=130)
     phases = row.numbers()
     label = f"{row.title}" if truth is not None else None
     axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=label)
@@ -385,7 +385,7 @@ def _volumes_of_shapes(row: Row, values, unit: str, path) -> None:
     names = [surface.name for surface in row.result.surfaces]
     few = len(names) <= BY_NAME
     figure, axis = plt.subplots(
-        figsize=(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3), dpi=150
+        figsize=(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3), dpi=130
     )
     if few:
         place = np.arange(len(names))[::-1]

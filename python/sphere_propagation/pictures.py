@@ -17,15 +17,16 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .colors import landmark_colors, map_colors, sphere_coordinates
+from .colors import map_colors, place_colors, sphere_coordinates
 from .correspondence import Correspondence
+from .filters import landmark_places
 from .views import Row, chosen_phases, sphere_rotation, upright
 
 if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     # No display: say so instead of trying one.
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-WIDTH, MAX_HEIGHT = 2000, 800  # pixels: of a picture, of one surface in it
+WIDTH, MAX_HEIGHT = 1600, 640  # pixels: of a picture, of one surface in it
 Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
 NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
 INK, GREY = "#1c2530", "#5b6570"
@@ -55,13 +56,11 @@ def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
     """The landmarks of some surfaces: same colour, same landmark (figure 2 of the paper)."""
 
     def draw(panel, result, i):
-        surface, points = result.surfaces[i], result.landmarks[i]
+        surface, points, faces = result.surfaces[i], result.landmarks[i], result.landmark_faces
         panel.surface(
             surface.vertices, surface.faces, np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95])
         )
-        panel.balls(
-            points, landmark_colors(len(points)), 0.27 * _spacing(result), result.landmark_faces
-        )
+        panel.balls(points, colors_of_landmarks(result), 0.27 * _spacing(result), faces)
 
     count = rows[0].result.landmarks.shape[1]
     _surfaces(
@@ -70,7 +69,7 @@ def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
         columns,
         draw,
         f"{count} landmarks on every {rows[0].noun}: the same colour is the same landmark",
-        count,
+        key=True,
     )
 
 
@@ -162,7 +161,7 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
 # ---------------------------------------------------------------- what they share
 
 
-def _surfaces(rows, path, columns, draw, title, landmark_count=0):
+def _surfaces(rows, path, columns, draw, title, key=False):
     lines = []  # of the picture: row and which of its surfaces
     for row in rows:
         shown = chosen_phases(len(row.result.surfaces), columns, 2 if len(rows) == 1 else 1)
@@ -194,14 +193,14 @@ def _surfaces(rows, path, columns, draw, title, landmark_count=0):
             captions[-1].append(row.caption(i))
         top += height
     panels = [scene.parts(line) for line in places]
-    _set(panels, captions, path, title, names, landmark_count)
+    _set(panels, captions, path, title, names, key)
 
 
-def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_count: int = 0):
+def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = False):
     """Rows of images with captions on one white page."""
     plt = matplotlib_pyplot()
     gap, line, margin, header = 26, 54, 40, 110
-    footer = 120 if landmark_count else 40
+    footer = 150 if key else 40
     width = (
         max(sum(image.shape[1] for image in row) + gap * (len(row) - 1) for row in panels)
         + 2 * margin
@@ -240,25 +239,28 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), landmark_coun
             axis = figure.add_axes([x / width, 1 - (y + h) / height, w / width, h / height])
             axis.imshow(image, interpolation="none", aspect="auto")
             axis.axis("off")
-            size = min(30, 1.7 * (w + gap) / max(len(caption), 1))
+            size = min(27, 1.6 * (w + gap) / max(len(caption), 1))
             text(x + w / 2, y + h + line / 2, caption, size, color=GREY, ha="center", va="center")
             x += w + gap
         top += heights[i] + gap
-    if landmark_count:
-        bar = figure.add_axes([0.36, 66 / height, 0.28, 22 / height])
-        bar.imshow(landmark_colors(landmark_count)[None], aspect="auto", interpolation="none")
+    if key:
+        bar = figure.add_axes([0.34, 60 / height, 0.32, 56 / height])
+        longitude, latitude = np.linspace(0, 1, 400), np.linspace(1, -1, 60)
+        bar.imshow(place_colors(longitude[None], latitude[:, None]), aspect="auto")
         bar.axis("off")
-        text(0.353 * width, height - 77, "landmark 0", 26, color=GREY, ha="right", va="center")
-        text(
-            0.647 * width,
-            height - 77,
-            f"{landmark_count - 1}",
-            26,
-            color=GREY,
-            ha="left",
-            va="center",
-        )
+        middle, left, right = height - 88, 0.333 * width, 0.667 * width
+        text(left, middle, "place on the sphere: west", 26, color=GREY, ha="right", va="center")
+        text(right, middle, "east; light is north", 26, color=GREY, ha="left", va="center")
     save(figure, path)
+
+
+@lru_cache(maxsize=4)
+def colors_of_landmarks(result: Correspondence) -> np.ndarray:
+    """By their place on the sphere, as "Remesh by icosphere" colours them."""
+    places = landmark_places(
+        result.surfaces[result.root], result.maps[result.root], result.landmarks.shape[1]
+    )
+    return place_colors(*sphere_coordinates(places))
 
 
 def _spacing(result: Correspondence) -> float:
@@ -321,23 +323,9 @@ class Scene:
     def _render(self) -> np.ndarray:
         import pyvista
 
-        plotter = pyvista.Plotter(
-            off_screen=True, window_size=[self.width, self.height], lighting="none"
-        )
-        plotter.set_background("white")
-        for position, intensity in (
-            ((-1.0, 1.6, 2.2), 0.80),
-            ((1.6, 0.2, 1.6), 0.34),
-            ((0, -1.5, 1.0), 0.16),
-        ):
-            plotter.add_light(
-                pyvista.Light(
-                    position=position,
-                    focal_point=(0, 0, 0),
-                    intensity=intensity,
-                    light_type="scene light",
-                )
-            )
+        plotter = _plotter()
+        plotter.clear_actors()
+        plotter.window_size = [self.width, self.height]
         # As few actors as there are kinds: each costs time, whatever is in it.
         for kind in dict.fromkeys(mesh.kind for mesh in self.meshes):
             points, faces, normals, values = _joined([m for m in self.meshes if m.kind == kind])
@@ -365,10 +353,36 @@ class Scene:
         plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = self.height / 2
         plotter.camera.clipping_range = (0.01 * far, 2 * far)
-        plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        plotter.render()
         picture = plotter.screenshot(None, return_img=True)
-        plotter.close()
+        plotter.clear_actors()
         return picture
+
+
+@lru_cache(maxsize=1)
+def _plotter():
+    """One for all pictures: a new one translates its shaders again, which takes as long as a
+    picture."""
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64], lighting="none")
+    plotter.set_background("white")
+    for position, intensity in (
+        ((-1.0, 1.6, 2.2), 0.80),
+        ((1.6, 0.2, 1.6), 0.34),
+        ((0, -1.5, 1.0), 0.16),
+    ):
+        plotter.add_light(
+            pyvista.Light(
+                position=position,
+                focal_point=(0, 0, 0),
+                intensity=intensity,
+                light_type="scene light",
+            )
+        )
+    plotter.enable_anti_aliasing("msaa", multi_samples=4)
+    plotter.screenshot(None, return_img=True)  # sets it up
+    return plotter
 
 
 class _Kind(NamedTuple):
@@ -482,12 +496,12 @@ def _texture(chart: str):
         # Three turns of longitude side by side, so that a triangle across the date line finds its
         # colours.
         longitude, latitude = (
-            (np.arange(2016) + 0.5) / 2016,
-            (np.arange(1000, 0, -1) - 0.5) / 500 - 1,
+            (np.arange(1344) + 0.5) / 1344,
+            (np.arange(672, 0, -1) - 0.5) / 336 - 1,
         )
         colors = np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))
     else:
-        across = ((np.arange(768) + 0.5) / 384 - 1) * REACH
+        across = ((np.arange(512) + 0.5) / 256 - 1) * REACH
         x, y = across[None], -across[:, None]
         latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
         colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))

@@ -9,11 +9,11 @@ from typing import Dict, List, Union
 
 import numpy as np
 
-from .colors import landmark_colors
+from .colors import place_colors, sphere_coordinates
 from .correspondence import Correspondence
 from .errors import InputError
 from .files import write_ply
-from .filters import map_colors
+from .filters import landmark_places, map_colors
 from .parameters import path_of
 from .project_file import ProjectLayer, write_project
 from .results import ResultFolder
@@ -44,7 +44,9 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
         np.clip(round(1 + len(result.surfaces[result.root].vertices) ** 0.5 / 20), 2, 4)
     )
     shades = map_colors(result.surfaces, result.maps, cells=cells)
-    hues = landmark_colors(result.landmarks.shape[1])
+    root = result.root
+    places = landmark_places(result.surfaces[root], result.maps[root], result.landmarks.shape[1])
+    hues = place_colors(*sphere_coordinates(places))
     layers: Dict[str, List[ProjectLayer]] = {"surfaces": [], "landmarks": [], "spheres": []}
 
     def add(kind, label, *mesh):

@@ -12,7 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import citation, command, gallery, model_pictures, parameters, pictures
+from sphere_propagation import (
+    citation,
+    command,
+    filters,
+    gallery,
+    model_pictures,
+    parameters,
+    pictures,
+)
+from sphere_propagation.colors import place_colors, sphere_coordinates
 from sphere_propagation.views import Row
 
 
@@ -195,7 +204,7 @@ def test_many_shapes_have_histograms(cycle, tmp_path):
         assert (tmp_path / "x.png").stat().st_size > 1000
 
 
-def test_one_scene_is_rendered_once_per_picture(cycle, tmp_path, monkeypatch):
+def test_one_window_draws_all_pictures(cycle, tmp_path, monkeypatch):
     import pyvista
 
     made = []
@@ -203,7 +212,9 @@ def test_one_scene_is_rendered_once_per_picture(cycle, tmp_path, monkeypatch):
     monkeypatch.setattr(
         pyvista, "Plotter", lambda *given, **more: made.append(1) or plotter(*given, **more)
     )
-    pictures.maps_on_surfaces([Row("heart", cycle)], tmp_path / "x.png")
+    pictures._plotter.cache_clear()
+    for draw in (pictures.maps_on_surfaces, pictures.landmarks_on_surfaces):
+        draw([Row("heart", cycle)], tmp_path / "x.png")
     assert len(made) == 1
 
 
@@ -294,3 +305,36 @@ def test_the_citation_is_that_of_the_file():
     assert "cff-version: 1.2.0" in text and "Kirschner" in text
     title = re.search(r'title: "(Propagation of shape[^"]+)"', text)[1]
     assert title in citation.PAPER
+
+
+def test_landmarks_are_coloured_by_their_place(cycle):
+    """As the filter colours surfaces: the pattern Direction of what lies there."""
+    places = filters.landmark_places(cycle.surfaces[0], cycle.maps[0], 162)
+    nearest = np.argmax(places @ cycle.maps[0].positions.T, axis=1)
+    expected = sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern="Direction")[0][nearest]
+    found = pictures.colors_of_landmarks(cycle)
+    assert np.abs(found - expected).max() < 0.25 and np.abs(found - expected).mean() < 0.05
+    # Icosphere: all faces alike, up to a few per cent of their size.
+    corners = places[cycle.landmark_faces]
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    assert areas.max() / areas.min() < 2.5
+    exact = map_colors_of(cycle)
+    assert np.abs(exact - place_colors(*sphere_coordinates(cycle.maps[0].positions))).max() < 0.005
+
+
+def map_colors_of(cycle):
+    return sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern="Direction")[0]
+
+
+def test_a_second_picture_is_its_own(cycle, tmp_path):
+    """What draws the pictures is used again: nothing of the first is left in the second."""
+    row = Row("heart", cycle)
+    for name in ("first", "second"):
+        pictures.maps_on_surfaces([row], tmp_path / f"{name}.png")
+        pictures.landmarks_on_surfaces([row], tmp_path / f"{name}_landmarks.png")
+    assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
+    assert (tmp_path / "first.png").stat().st_size > 50_000
+    found = [(tmp_path / f"{name}_landmarks.png").read_bytes() for name in ("first", "second")]
+    assert found[0] == found[1] and len(found[0]) > 50_000
