@@ -154,3 +154,12 @@ def test_messages_are_found_in_cpp(text, expected):
     from messages import in_cpp
 
     assert [p for said in in_cpp(text) for p in pieces(said)] == expected
+
+
+def test_the_index_is_sorted_and_leads_to_most_sections():
+    text = re.search(r"^## Index\n(.*?)^## ", PAGE.prose, re.M | re.S)[1]
+    words = re.findall(r"^\| (?!about|---)([^|]+) \|", text, re.M)
+    assert len(words) > 40 and words == sorted(words, key=str.lower)
+    sections = re.findall(r"^### (.+)$", PAGE.prose, re.M)
+    missing = [name for name in sections if f"[{name}]" not in text]
+    assert len(missing) <= 4, missing
