@@ -43,6 +43,19 @@ TEST(NearbyMap, UnfoldsWhatIsFoldedAndNothingElse) {
   EXPECT_GT(moved, 0);
 }
 
+TEST(NearbyMap, GivesUpPositionsThatLeaveNoRoom) {
+  test::Random random(7);
+  const test::Mesh sphere = test::icosphereMesh(12);
+  const ClosedSurface surface = surfaceOf(sphere);
+  for (const double apart : {1e-6, 1e-7, 1e-8}) {
+    // Half of them lie on one spot, in no order.
+    Points positions = sphere.vertices;
+    for (auto x : positions.rowwise())
+      if (x[2] > 0) x = (Vector3(0, 0, 1) + apart * random.direction()).normalized().transpose();
+    EXPECT_NO_THROW(nearbyMap(surface, positions)) << apart;
+  }
+}
+
 TEST(NearbyMap, MakesAMapOfAnything) {
   test::Random random(5);
   for (const test::Mesh& mesh : {test::noisyEllipsoid(1), test::tetrapod(12), test::octahedron()}) {

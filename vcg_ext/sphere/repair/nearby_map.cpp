@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vcg_ext/base/error.h"
@@ -19,6 +21,9 @@
 namespace sphere_propagation {
 namespace {
 
+/// Where positions crowd so that a vertex finds no room, those around it are given up, and all is
+/// laid again.
+constexpr int maxAttempts = 20;
 constexpr int sweeps = 8, lastSweeps = 40, easedRings = 2;
 /// On the way to its position a vertex leaves the faces around it this share of the mean solid
 /// angle, or what they have.
@@ -36,13 +41,15 @@ class Refinement {
       targets_.row(static_cast<Eigen::Index>(i)) = targets.row(order_[i]);
   }
 
-  MappedSurface run() {
+  /// Empty where there is no room for a vertex: crowd() is why.
+  std::optional<MappedSurface> run() {
     ThreadPool pool;
     const std::vector<int> rounds = simplify(mesh_, pool);
     layTetrahedron();
     int next = 8;
     for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
-      for (int i = 0; i < *round; ++i) place(mesh_.undo());
+      for (int i = 0; i < *round; ++i)
+        if (!place(mesh_.undo())) return std::nullopt;
       if (mesh_.vertexCount() < next || mesh_.vertexCount() == mesh_.allVertices()) continue;
       attract(sweeps);
       next = 2 * mesh_.vertexCount();
@@ -52,8 +59,11 @@ class Refinement {
     Points result(positions_.rows(), 3);
     for (size_t i = 0; i < order_.size(); ++i)
       result.row(order_[i]) = positions_.row(static_cast<Eigen::Index>(i));
-    return {surface_, std::move(result)};
+    return MappedSurface(surface_, std::move(result));
   }
+
+  /// The vertex that found no room, and those around it then, up to the second ring.
+  const std::vector<int>& crowd() const { return crowd_; }
 
  private:
   Vector3 target(int v) const { return targets_.row(v).transpose(); }
@@ -110,17 +120,24 @@ class Refinement {
     return from;
   }
 
-  void place(int v) {
+  bool place(int v) {
     gather(v);
     if (asksForAPlace(v) && fits(target(v), Admissible::minSolidAngle)) {
       positions_.row(v) = targets_.row(v);
-      return;
+      return true;
     }
     Vector3 x;
     // It left to its someHalfEdge's target; undo() puts that one first.
-    if (!placeInKernel(rim_, rim_[0], Admissible::minSolidAngle, x))
-      throw MapError(Finding(Fault::NoRoom, surface_.name()).of(1, order_[static_cast<size_t>(v)]));
+    if (!placeInKernel(rim_, rim_[0], Admissible::minSolidAngle, x)) {
+      crowd_ = {order_[static_cast<size_t>(v)]};
+      forRing(v, [&](int w) {
+        crowd_.push_back(order_[static_cast<size_t>(w)]);
+        forRing(w, [&](int u) { crowd_.push_back(order_[static_cast<size_t>(u)]); });
+      });
+      return false;
+    }
     positions_.row(v) = (asksForAPlace(v) ? moved(x, target(v)) : x).transpose();
+    return true;
   }
 
   /// Vertices that are elsewhere lean on their neighbours, and take their positions once these fit.
@@ -185,12 +202,23 @@ class Refinement {
   CollapsibleMesh mesh_;
   Points targets_, positions_;
   std::vector<Vector3> rim_;
+  std::vector<int> crowd_;
 };
 
 }  // namespace
 
 MappedSurface nearbyMap(const ClosedSurface& surface, const Points& positions) {
-  return Refinement(surface, positions).run();
+  Points wishes = positions;
+  int first = -1;  // that found no room
+  for (int attempt = 0; attempt <= maxAttempts; ++attempt) {
+    // In the last one nobody asks for a place.
+    if (attempt == maxAttempts) wishes.setZero();
+    Refinement refinement(surface, wishes);
+    if (std::optional<MappedSurface> map = refinement.run()) return std::move(*map);
+    if (first < 0) first = refinement.crowd().front();
+    for (int v : refinement.crowd()) wishes.row(v).setZero();
+  }
+  throw MapError(Finding(Fault::NoRoom, surface.name()).of(1, first));
 }
 
 }  // namespace sphere_propagation

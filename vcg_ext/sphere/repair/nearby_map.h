@@ -14,9 +14,11 @@ namespace sphere_propagation {
 /// So what is right stays exactly as it is, and only what contradicts itself moves, whatever the
 /// size of the folds. (The hierarchy is that of hierarchical_map.h.)
 ///
+/// Where positions crowd so much that a vertex finds no place (its ring's kernel is empty up to
+/// rounding), those around it are given up, and all is laid again; in the end all are.
+///
 /// positions: #V by 3, unit vectors; those that are not finite or zero ask for no place.
-/// Throws MapError when a vertex finds no place: its ring's kernel is empty
-/// up to rounding.
+/// Throws MapError when a vertex finds no place even so.
 MappedSurface nearbyMap(const ClosedSurface& surface, const Points& positions);
 
 }  // namespace sphere_propagation
