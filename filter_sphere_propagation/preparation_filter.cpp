@@ -22,6 +22,7 @@ PreparationParameters preparationOf(const host::ParameterValues& values) {
   parameters.weld = values.flag("weld");
   parameters.removeDuplicateFaces = values.flag("remove_duplicate_faces");
   parameters.removeFins = values.flag("remove_fins");
+  parameters.joinShells = values.flag("join_shells");
   parameters.keepLargestComponent = values.flag("keep_largest_component");
   parameters.closeOpenings = values.flag("close_openings");
   parameters.lid = values.choice("lid", lidShapes);
@@ -66,7 +67,10 @@ std::string stepsOf(const PreparedMesh& mesh) {
   return text;
 }
 
-std::string closureOf(const Opening& opening, LidShape shape) {
+std::string closureOf(const Opening& opening, LidShape shape, bool isRing) {
+  if (isRing)
+    return "a ring between the shells, of " +
+           counted(opening.newVertices, "new vertex", "new vertices");
   if (opening.newFaces == 0) return "laying them on each other";
   if (opening.newVertices == 0) return counted(opening.newFaces, "face", "faces");
   return std::string(shape == LidShape::Flat ? "a flat lid" : "a curved lid") + " of " +
@@ -86,7 +90,7 @@ void tellOfOpenings(const host::Task& task, const std::string& label, const Prep
     const Opening& opening = mesh.openings[order[i]];
     if (i < most)
       task.say(messages::opening, label, order[i] + 1, opening.edges, opening.perimeter,
-               closureOf(opening, shape));
+               closureOf(opening, shape, mesh.joinedShells && order[i] == 0));
     else
       rest += opening.edges;
   }
@@ -135,7 +139,9 @@ void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent&
     task.sayOf(layer, messages::mostlyLids, 100 * share);
   if (mesh.sheets.droppedShare > largeOfSheets)
     task.sayOf(layer, messages::largeSheetsDropped, 100 * mesh.sheets.droppedShare);
-  if (mesh.dropped.largestShare > large)
+  if (mesh.shells)
+    task.sayOf(layer, messages::shellsNotJoined);
+  else if (mesh.dropped.largestShare > large)
     task.sayOf(layer, messages::largePartDropped, 100 * mesh.dropped.largestShare);
   if (mesh.left) task.sayOf(layer, messageOfLeft(mesh, parameters), withoutName(*mesh.left));
 }
@@ -154,6 +160,7 @@ class PreparationFigures {
     put("weld", mesh.weldedVertices + mesh.unusedVertices + mesh.nonFiniteVertices);
     put("remove_duplicate_faces", mesh.duplicateFaces + mesh.flatFaces);
     put("remove_fins", static_cast<double>(mesh.sheets.edges + mesh.sheets.vertices));
+    put("join_shells", mesh.joinedShells ? 1 : 0);
     put("keep_largest_component", static_cast<double>(mesh.dropped.parts));
     put("close_openings", static_cast<double>(mesh.openings.size()));
     put("lid", static_cast<double>(lidVerticesOf(mesh)));
@@ -212,6 +219,7 @@ class PreparationFilter : public host::Filter {
         help_.parameter("weld", defaults.weld),
         help_.parameter("remove_duplicate_faces", defaults.removeDuplicateFaces),
         help_.parameter("remove_fins", defaults.removeFins),
+        help_.parameter("join_shells", defaults.joinShells),
         help_.parameter("keep_largest_component", defaults.keepLargestComponent),
         help_.parameter("close_openings", defaults.closeOpenings),
         help_.parameter("lid", host::choiceOf(lidShapes, defaults.lid)),

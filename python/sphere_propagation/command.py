@@ -28,7 +28,7 @@ from . import (
     version,
 )
 from .errors import InputError, SpherePropagationError, SpherePropagationWarning
-from .flags import by_flags
+from .flags import by_flags, option
 from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters, in_full
 
 METHODS = {"robust": "Robust", "published": "As published"}
@@ -37,6 +37,7 @@ ALIGNMENTS = {name.lower(): name for name in filters.ALIGNMENTS}
 MAPS = {name.lower(): name for name in INITIAL_MAPS}
 REPAIRS = {name.lower(): name for name in filters.HANDLE_REPAIRS}
 COORDINATES = {name.lower(): name for name in filters.COORDINATES}
+STEPS_OF_PREPARE = ("join_shells", "remove_handles")  # that are off unless they are given
 PHANTOM_DEFAULTS = filters.make_phantom.__kwdefaults__
 VOLUME_DEFAULTS = filters.read_label_volume.__kwdefaults__
 
@@ -97,8 +98,9 @@ def _words(error: BaseException) -> str:
 
 
 def _run(options, make_progress) -> int:
-    if options.remove_handles and not options.prepare:
-        raise InputError("--remove-handles is a step of --prepare: give both.")
+    for name in STEPS_OF_PREPARE:
+        if getattr(options, name) and not options.prepare:
+            raise InputError(f"{option(name)} is a step of --prepare: give both.")
     choices = _choices(options, DEFAULTS)
     return _report(
         options.output,
@@ -197,7 +199,8 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         area_restoration=options.area_restoration,
         mirror_layers=options.mirror_layers,
     )
-    preparation = {"remove_handles": options.remove_handles} if options.prepare else None
+    steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
+    preparation = steps if options.prepare else None
     return jobs.Choices(
         parameters,
         options.pictures,
@@ -302,6 +305,11 @@ def parser() -> argparse.ArgumentParser:
         "part, turn faces outwards; what was done is said",
     )
     run.add_argument(
+        "--join-shells",
+        action="store_true",
+        help="with --prepare: also join the inner and the outer side of a wall, open at its rim",
+    )
+    run.add_argument(
         "--remove-handles",
         action="store_true",
         help="with --prepare: also remove handles, by a new mesh",
@@ -366,6 +374,7 @@ def parser() -> argparse.ArgumentParser:
         action=_demo,
         file_series=False,
         prepare=False,
+        join_shells=False,
         remove_handles=False,
         unit=None,
         mixed=False,

@@ -14,6 +14,7 @@ PARAMETERS = (
     "file_series",
     "handle_repair",
     "initial_map",
+    "join_shells",
     "longest_gap",
     "mirror_layers",
     "skip_incomplete_phases",

@@ -19,6 +19,7 @@ STEPS = (
     "weld",
     "remove_duplicate_faces",
     "remove_fins",
+    "join_shells",
     "keep_largest_component",
     "close_openings",
     "lid",
@@ -36,9 +37,9 @@ class PreparedSurface:
     surface that was there: vertices[lid == 0] leaves lids out. lid_faces: (k,), True for the faces
     of lids, of which small ones have no vertex of their own.
     figures: how much each step did, by its name: weld, remove_duplicate_faces, remove_fins,
-    keep_largest_component, close_openings, lid (vertices of lids), orient, remove_handles; closed
-    (1 where it is a closed surface of genus 0 now), vertices, vertices_before, seconds; one entry
-    per opening: opening_edges, opening_perimeter.
+    join_shells, keep_largest_component, close_openings, lid (vertices of lids), orient,
+    remove_handles; closed (1 where it is a closed surface of genus 0 now), vertices,
+    vertices_before, seconds; one entry per opening: opening_edges, opening_perimeter.
     """
 
     surface: Surface
@@ -60,6 +61,7 @@ def prepare(
     weld: bool = True,
     remove_duplicate_faces: bool = True,
     remove_fins: bool = True,
+    join_shells: bool = False,
     keep_largest_component: bool = True,
     close_openings: bool = True,
     lid: str = "Curved",
@@ -71,7 +73,8 @@ def prepare(
 
     weld: unify vertices on open edges that lie in one place, drop those that no face uses.
     remove_duplicate_faces: and those without area. remove_fins: leave no edge with more than two
-    faces and no vertex at which sheets touch. keep_largest_component: by area. close_openings: by
+    faces and no vertex at which sheets touch. join_shells: put a ring between the inner and the
+    outer side of a wall. keep_largest_component: by area. close_openings: by
     lids, of which `lid` says whether the surface goes on over the rim ("Curved") or not ("Flat").
     orient: all faces outwards. remove_handles: by way of a volume, with a new mesh.
 
@@ -87,6 +90,7 @@ def prepare(
         weld=weld,
         remove_duplicate_faces=remove_duplicate_faces,
         remove_fins=remove_fins,
+        join_shells=join_shells,
         keep_largest_component=keep_largest_component,
         close_openings=close_openings,
         lid=lid,

@@ -5,10 +5,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -103,6 +107,46 @@ Mesh bowl(double z, int around, int rows) {
       mesh.faces.row(f++) << b, c, d;
     }
   return mesh;
+}
+
+/// The part below a height, faces that cross it being cut there.
+Mesh cutBelow(const Mesh& mesh, double height) {
+  std::vector<Vector3> points;
+  std::vector<std::array<int, 3>> faces;
+  std::map<std::pair<int, int>, int> cuts;
+  std::vector<int> now(static_cast<size_t>(mesh.vertices.rows()), -1);
+  const auto above = [&](int v) { return mesh.vertices(v, 2) - height; };
+  const auto place = [&](int v) {
+    if (now[v] < 0) {
+      now[v] = static_cast<int>(points.size());
+      points.emplace_back(mesh.vertices.row(v).transpose());
+    }
+    return now[v];
+  };
+  const auto cut = [&](int a, int b) {
+    if (a > b) std::swap(a, b);
+    const auto [entry, isNew] = cuts.insert({{a, b}, static_cast<int>(points.size())});
+    if (isNew) {
+      const double t = above(a) / (above(a) - above(b));
+      const Eigen::RowVector3d p = (1 - t) * mesh.vertices.row(a) + t * mesh.vertices.row(b);
+      points.emplace_back(p.transpose());
+    }
+    return entry->second;
+  };
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    std::vector<int> polygon;
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+      if (above(a) < 0) polygon.push_back(place(a));
+      if ((above(a) < 0) != (above(b) < 0)) polygon.push_back(cut(a, b));
+    }
+    for (size_t k = 2; k < polygon.size(); ++k)
+      faces.push_back({polygon[0], polygon[k - 1], polygon[k]});
+  }
+  Mesh result{Points(static_cast<Eigen::Index>(points.size()), 3), Triangles(0, 3)};
+  for (size_t v = 0; v < points.size(); ++v)
+    result.vertices.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
+  return withFaces(result, faces);
 }
 
 /// A strip that comes back to itself with a half turn.
@@ -444,6 +488,83 @@ TEST(SurfacePreparation, NamesAWallWithoutItsRim) {
   EXPECT_TRUE(isClosed(result));
   EXPECT_EQ(result.dropped.parts, 1);
   EXPECT_NEAR(result.dropped.largestShare, 0.64, 1e-9);
+  EXPECT_TRUE(result.shells);
+}
+
+TEST(SurfacePreparation, JoinsTheSidesOfAWallWhereAsked) {
+  PreparationParameters join;
+  join.joinShells = true;
+  const Mesh outer = bowl(0.2, 32, 12);
+  for (const auto& [around, rows, size] : {std::tuple(32, 12, 0.8), {19, 9, 0.7}, {50, 20, 0.9}})
+    for (const bool inwards : {true, false})
+      for (const bool innerFirst : {true, false}) {
+        Mesh inner = moved(stretched(bowl(0.15, around, rows), size, size, size), 0.03, 0, 0);
+        if (inwards) inner.faces.col(1).swap(inner.faces.col(2));
+        const PreparedMesh result =
+            prepared(innerFirst ? both(inner, outer) : both(outer, inner), join);
+        ASSERT_TRUE(isClosed(result)) << around;
+        EXPECT_TRUE(result.joinedShells);
+        EXPECT_FALSE(result.shells);
+        EXPECT_EQ(result.dropped.parts, 0);
+        ASSERT_EQ(result.openings.size(), 1U);
+        EXPECT_EQ(result.openings[0].edges, 32 + around);
+        EXPECT_GT(result.openings[0].newFaces, 32 + around - 1);
+        EXPECT_EQ(result.vertices.rows() - result.openings[0].newVertices,
+                  outer.vertices.rows() + inner.vertices.rows());
+        // What lies between: a sphere's part below the height z has (2 + 3 z - z^3) pi / 3.
+        const auto below = [](double z, double r) {
+          return r * r * r * (2 + 3 * z - z * z * z) * pi / 3;
+        };
+        const double wall = below(0.2, 1) - below(0.15, size);
+        EXPECT_NEAR(enclosedVolume(result.vertices, result.faces), wall, 0.2 * wall + 0.05);
+      }
+}
+
+TEST(SurfacePreparation, JoinsNothingElse) {
+  PreparationParameters join;
+  join.joinShells = true;
+  const Mesh bowlMesh = bowl(0.2, 32, 12), small = stretched(bowl(0.2, 32, 12), 0.6, 0.6, 0.6);
+  const Eigen::Matrix3d half = Eigen::AngleAxisd(pi / 2, Vector3::UnitX()).toRotationMatrix();
+  for (const Mesh& other : {moved(small, 3, 0, 0),                          // beside
+                            transformed(small, half, 1, Vector3::Zero()),   // open to the side
+                            stretched(bowl(0.2, 32, 12), 0.2, 0.2, 0.2),    // much smaller
+                            stretched(icosphereMesh(6), 0.5, 0.5, 0.5)}) {  // closed
+    const PreparedMesh result = prepared(both(bowlMesh, other), join);
+    EXPECT_TRUE(isClosed(result));
+    EXPECT_FALSE(result.joinedShells);
+    EXPECT_FALSE(prepared(both(bowlMesh, other)).shells);
+    EXPECT_EQ(result.dropped.parts, 1);
+  }
+}
+
+TEST(SurfacePreparation, MakesLidsAsFineAsTheSurfaceNotAsItsRim) {
+  // Three lobes, so that the rim has inward corners, cut through their faces: slivers at the rim.
+  Mesh lobes = icosphereMesh(16);
+  for (Eigen::Index v = 0; v < lobes.vertices.rows(); ++v) {
+    const double angle = std::atan2(lobes.vertices(v, 1), lobes.vertices(v, 0));
+    lobes.vertices.row(v).head<2>() *= 1 + 0.45 * std::cos(3 * angle);
+  }
+  for (const double height : {-0.2, 0.013, 0.11, 0.3}) {
+    const Mesh open = cutBelow(lobes, height);
+    const PreparedMesh result = prepared(open);
+    ASSERT_TRUE(isClosed(result)) << height;
+    ASSERT_EQ(result.openings.size(), 1U);
+    const Eigen::Index wall = open.faces.rows(), n = open.vertices.rows();
+    EXPECT_EQ(result.vertices.topRows(n), open.vertices);
+    const Eigen::VectorXd areas = faceAreas(result.vertices, result.faces);
+    const double lidArea = areas.tail(areas.size() - wall).sum(), wallArea = areas.head(wall).sum();
+    const double density =
+        static_cast<double>(result.openings[0].newVertices) / lidArea /
+        (static_cast<double>(lobes.vertices.rows()) / faceAreas(lobes.vertices, lobes.faces).sum());
+    EXPECT_GT(density, 0.3) << height;
+    EXPECT_LT(density, 1.5) << height;
+    EXPECT_LT(wallArea, 30);
+    double top = height;
+    for (Eigen::Index v = n; v < result.vertices.rows(); ++v)
+      top = std::max(top, result.vertices(v, 2));
+    EXPECT_LT(top - height, 0.6) << height;  // the lobes' width
+    EXPECT_GT(top, height);
+  }
 }
 
 TEST(SurfacePreparation, TurnsWithTheMesh) {

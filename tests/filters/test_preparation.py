@@ -106,6 +106,29 @@ def test_lids_are_marked_and_the_wall_stays():
     assert returned["opening_perimeter"] == pytest.approx([around])
 
 
+def two_shells():
+    """The two sides of a cup's wall, without the rim between them."""
+    v, f = cup(15)
+    inner = v * [0.7, 0.7, 0.8] + [0, 0, 2]
+    return np.vstack([v, inner]), np.vstack([f, f + len(v)])
+
+
+def test_the_sides_of_a_wall_are_named_and_joined():
+    volume = {}
+    for join in (False, True):
+        ms = pymeshlab.MeshSet()
+        add(ms, *two_shells(), "wall")
+        returned = ms.apply_filter(PREPARE, join_shells=join)
+        text = " ".join(said(returned))
+        assert ("wall: it is the inner and the outer side of one wall" in text) != join
+        assert returned["join_shells"] == join and returned["closed"] == 1
+        assert returned["keep_largest_component"] == (not join)
+        volume[join] = ms.apply_filter("get_geometric_measures")["mesh_volume"]
+        assert ms.apply_filter(ROOT)["flipped_faces"] == 0
+    assert 0.3 * volume[False] < volume[True] < 0.7 * volume[False]
+    assert ms.current_mesh().face_selection_array().sum() >= 28
+
+
 def lid_of(mesh):
     return mesh.vertex_custom_scalar_attribute_array("lid")
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -146,12 +147,18 @@ class LidMesh {
  public:
   LidMesh(const Rim& rim, LidShape shape)
       : rim_(rim), shape_(shape), rimSize_(static_cast<int>(rim.points.rows())) {
-    for (int i = 0; i < rimSize_; ++i) {
-      points_.emplace_back(rim.points.row(i).transpose());
-      size_.push_back(rim.spacing[i]);
-    }
+    takeRim();
     faces_ = triangulated(rim, shape == LidShape::Curved);
     if (faces_.empty()) fan();
+    for (int f = 0; f < static_cast<int>(faces_.size()); ++f) link(f);
+  }
+
+  /// Faces between several rims.
+  LidMesh(const Rim& rim, const Triangles& faces)
+      : rim_(rim), shape_(LidShape::Flat), rimSize_(static_cast<int>(rim.points.rows())) {
+    takeRim();
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+      faces_.push_back({faces(f, 0), faces(f, 1), faces(f, 2)});
     for (int f = 0; f < static_cast<int>(faces_.size()); ++f) link(f);
   }
 
@@ -166,10 +173,14 @@ class LidMesh {
     if (shape_ == LidShape::Curved)
       for (int i = 0; i < rounds; ++i) {
         placeAsPlate();
+        limitRise();
         flipEdges();
         refine();
       }
-    if (shape_ == LidShape::Curved) placeAsPlate();
+    if (shape_ == LidShape::Curved) {
+      placeAsPlate();
+      limitRise();
+    }
     Lid lid{Points(count() - rimSize_, 3), Triangles(static_cast<Eigen::Index>(faces_.size()), 3)};
     for (int v = rimSize_; v < count(); ++v)
       lid.vertices.row(v - rimSize_) = points_[v].transpose();
@@ -180,6 +191,13 @@ class LidMesh {
 
  private:
   int count() const { return static_cast<int>(points_.size()); }
+
+  void takeRim() {
+    for (int i = 0; i < rimSize_; ++i) {
+      points_.emplace_back(rim_.points.row(i).transpose());
+      size_.push_back(rim_.spacing[i]);
+    }
+  }
 
   void fan() {
     points_.emplace_back(rim_.points.colwise().mean().transpose());
@@ -355,6 +373,25 @@ class LidMesh {
     points_.resize(static_cast<size_t>(plain));
   }
 
+  /// A plate that rises over the membrane by more than a cap would, as where the rim is ragged, is
+  /// brought nearer to it as a whole.
+  void limitRise() {
+    constexpr double most = 0.6;  // of the greatest distance from the rim; half is a hemisphere's
+    if (count() == rimSize_) return;
+    const std::vector<Vector3> plate = points_;
+    placeAsMembrane();
+    double rise = 0, reach = 0;
+    for (int v = rimSize_; v < count(); ++v) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < rimSize_; ++i)
+        nearest = std::min(nearest, (points_[v] - points_[i]).squaredNorm());
+      reach = std::max(reach, nearest);
+      rise = std::max(rise, (plate[v] - points_[v]).norm());
+    }
+    const double share = std::min(1.0, most * std::sqrt(reach) / std::max(rise, 1e-300));
+    for (int v = rimSize_; v < count(); ++v) points_[v] += share * (plate[v] - points_[v]);
+  }
+
   const Rim& rim_;
   LidShape shape_;
   int rimSize_;
@@ -366,16 +403,174 @@ class LidMesh {
 
 }  // namespace
 
+namespace {
+
+/// Whether a rim leaves the line from its point a to its point b (b up to n, which is point 0), or
+/// turns back on it.
+bool leavesLine(const Rim& rim, int a, int b) {
+  constexpr double aside = 0.05;  // of the spacing
+  const auto n = static_cast<int>(rim.points.rows());
+  const Vector3 from = rim.points.row(a).transpose(), to = rim.points.row(b % n).transpose();
+  const Vector3 along = (to - from).stableNormalized();
+  double before = 0;
+  for (int i = a + 1; i < b; ++i) {
+    const Vector3 way = rim.points.row(i).transpose() - from;
+    const double t = way.dot(along);
+    if (t < before || (way - t * along).norm() > aside * rim.spacing[i]) return true;
+    before = t;
+  }
+  return before > (to - from).norm();
+}
+
+/// Of a rim the points that are as far apart as its edges are to be, or where it turns, in order;
+/// all where few would be left.
+std::vector<int> sparse(const Rim& rim) {
+  constexpr double near = 0.35;  // of the spacing
+  constexpr size_t fewest = 8;
+  const auto n = static_cast<int>(rim.points.rows());
+  std::vector<int> kept{0};
+  double since = 0;  // on the way from the last one
+  const auto step = [&](int i) { return (rim.points.row(i % n) - rim.points.row(i - 1)).norm(); };
+  for (int i = 1; i <= n; ++i) {
+    since += step(i);
+    if (leavesLine(rim, kept.back(), i)) {
+      kept.push_back(i - 1);
+      since = step(i);
+    }
+    if (i == n || since < near * rim.spacing[i]) continue;
+    kept.push_back(i);
+    since = 0;
+  }
+  // The last one beside the first.
+  if (kept.size() > fewest && since < near * rim.spacing[0] &&
+      !leavesLine(rim, kept[kept.size() - 2], n))
+    kept.pop_back();
+  if (kept.size() < fewest) {
+    kept.resize(static_cast<size_t>(n));
+    std::iota(kept.begin(), kept.end(), 0);
+  }
+  return kept;
+}
+
+/// The rim at some of its points.
+Rim rimAt(const Rim& rim, const std::vector<int>& kept) {
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  Rim part{Points(n, 3), Points::Zero(n, 3), Eigen::VectorXd(n), Points(n, 3), {}};
+  for (size_t k = 0; k < kept.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    part.points.row(row) = rim.points.row(kept[k]);
+    part.spacing[row] = rim.spacing[kept[k]];
+    part.onward.row(row) = rim.onward.row(kept[k]);
+    // Of the faces beside a longer edge those that lie along most of it count.
+    const int end = k + 1 < kept.size() ? kept[k + 1] : static_cast<int>(rim.points.rows());
+    Vector3 wall = Vector3::Zero();
+    for (int i = kept[k]; i < end; ++i) {
+      const Eigen::Index next = (i + 1) % rim.points.rows();
+      wall += (rim.points.row(next) - rim.points.row(i)).norm() * rim.wall.row(i).transpose();
+    }
+    part.wall.row(row) = wall.stableNormalized().transpose();
+  }
+  part.joined = [&rim, kept](int i, int j) { return rim.joined(kept[i], kept[j]); };
+  return part;
+}
+
+/// The lid of a rim at `kept`, as one of the whole rim: its faces at the rim are split at the
+/// points between. Nothing where that would join points that are joined. folded: gets the points
+/// where a face folds back on what it was a part of.
+std::optional<Lid> withAllPoints(const Lid& lid, const Rim& rim, const std::vector<int>& kept,
+                                 std::vector<int>& folded) {
+  const auto n = static_cast<int>(rim.points.rows()), few = static_cast<int>(kept.size());
+  std::map<std::pair<int, int>, int> edges;  // of the rim at `kept`: where its points end
+  for (size_t k = 0; k < kept.size(); ++k) {
+    const int end = k + 1 < kept.size() ? kept[k + 1] : n;
+    if (end - kept[k] > 1) edges[{kept[k], end % n}] = end;
+  }
+  const auto point = [&](int v) -> Vector3 {
+    return (v < n ? rim.points.row(v) : lid.vertices.row(v - n)).transpose();
+  };
+  const auto normal = [&](int a, int b, int c) -> Vector3 {
+    return (point(b) - point(a)).cross(point(c) - point(a)).stableNormalized();
+  };
+  std::vector<Corners> faces, split;
+  for (Eigen::Index f = 0; f < lid.faces.rows(); ++f) {
+    Corners face{};
+    for (int k = 0; k < 3; ++k) {
+      const int v = lid.faces(f, k);
+      face[k] = v < few ? kept[static_cast<size_t>(v)] : v - few + n;
+    }
+    faces.push_back(face);
+  }
+  while (!faces.empty()) {
+    const Corners face = faces.back();
+    faces.pop_back();
+    int k = 0;
+    while (k < 3 && edges.count({face[k], face[(k + 1) % 3]}) == 0) ++k;
+    if (k == 3) {
+      split.push_back(face);
+      continue;
+    }
+    const int apex = face[(k + 2) % 3], end = edges.at({face[k], face[(k + 1) % 3]});
+    const Vector3 whole = normal(face[k], face[(k + 1) % 3], apex);
+    for (int i = face[k]; i < end; ++i) {
+      constexpr double turned = 0.5;  // cosine
+      if (normal(i, (i + 1) % n, apex).dot(whole) < turned)
+        for (const int v : {i, i + 1})
+          if (v > face[k] && v < end) folded.push_back(v);
+      if (i > face[k] && apex < n && rim.joined(apex, i)) return std::nullopt;
+      faces.push_back({i, (i + 1) % n, apex});
+    }
+  }
+  Lid whole{lid.vertices, Triangles(static_cast<Eigen::Index>(split.size()), 3)};
+  for (size_t f = 0; f < split.size(); ++f)
+    for (int k = 0; k < 3; ++k) whole.faces(static_cast<Eigen::Index>(f), k) = split[f][k];
+  return whole;
+}
+
+/// A rim in units of its own, round its own middle: numbers are the same in mm and in m.
+class OwnUnits {
+ public:
+  explicit OwnUnits(const Rim& rim)
+      : centre_(rim.points.colwise().mean()),
+        unit_(rim.spacing.mean() > 0 ? rim.spacing.mean() : 1) {}
+  Rim of(Rim rim) const {
+    rim.points = (rim.points.rowwise() - centre_) / unit_;
+    rim.spacing /= unit_;
+    return rim;
+  }
+  Lid back(Lid lid) const {
+    lid.vertices = (unit_ * lid.vertices).rowwise() + centre_;
+    return lid;
+  }
+
+ private:
+  Eigen::RowVector3d centre_;
+  double unit_;
+};
+
+}  // namespace
+
+Lid makeBand(const Rim& rim, const Triangles& faces) {
+  const OwnUnits units(rim);
+  const Rim scaled = units.of(rim);
+  return units.back(LidMesh(scaled, faces).make());
+}
+
 Lid makeLid(const Rim& rim, LidShape shape) {
-  // In units of its own, round its own middle: numbers are the same in mm and in m.
-  const Eigen::RowVector3d centre = rim.points.colwise().mean();
-  const double unit = rim.spacing.mean() > 0 ? rim.spacing.mean() : 1;
-  Rim scaled = rim;
-  scaled.points = (rim.points.rowwise() - centre) / unit;
-  scaled.spacing = rim.spacing / unit;
-  Lid lid = LidMesh(scaled, shape).make();
-  lid.vertices = (unit * lid.vertices).rowwise() + centre;
-  return lid;
+  const OwnUnits units(rim);
+  const Rim scaled = units.of(rim);
+  std::vector<int> kept = sparse(scaled);
+  std::optional<Lid> made;
+  constexpr int rounds = 4;
+  for (int i = 0; i < rounds && static_cast<Eigen::Index>(kept.size()) < rim.points.rows(); ++i) {
+    const Rim some = rimAt(scaled, kept);
+    std::vector<int> folded;
+    made = withAllPoints(LidMesh(some, shape).make(), scaled, kept, folded);
+    if (!made || folded.empty()) break;
+    kept.insert(kept.end(), folded.begin(), folded.end());
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  }
+  return units.back(made ? std::move(*made) : LidMesh(scaled, shape).make());
 }
 
 }  // namespace sphere_propagation

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "vcg_ext/preparation/orientation.h"
+
 namespace sphere_propagation {
 namespace {
 
@@ -132,6 +134,42 @@ Rows smoothedRound(const Rows& values, int reach) {
   return result / total;
 }
 
+/// The vertices within so many edges of one on the rim, which comes first, by ways off the rim.
+std::vector<int> within(const Rims& rims, const std::vector<int>& sortedRim, int vertex,
+                        int depth) {
+  std::vector<int> ball{vertex};
+  size_t begin = 0;
+  for (int d = 0; d < depth; ++d) {
+    const size_t end = ball.size();
+    for (size_t j = begin; j < end; ++j)
+      for (const int w : rims.neighbours(ball[j]))
+        if (std::find(ball.begin(), ball.end(), w) == ball.end() &&
+            !std::binary_search(sortedRim.begin(), sortedRim.end(), w))
+          ball.push_back(w);
+    begin = end;
+  }
+  return ball;
+}
+
+/// Length of the edges near a point of the rim: those that end on it do not count, since a cut
+/// makes tiny ones there; where there are no others, its own.
+double edgeLengthNear(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>& sortedRim,
+                      int vertex) {
+  double sum = 0, own = 0;
+  int count = 0;
+  const std::vector<int> ball = within(rims, sortedRim, vertex, 3);
+  for (size_t j = 1; j < ball.size(); ++j)
+    for (const int w : rims.neighbours(ball[j]))
+      if (!std::binary_search(sortedRim.begin(), sortedRim.end(), w)) {
+        sum += (mesh.vertex(w) - mesh.vertex(ball[j])).norm();
+        ++count;
+      }
+  if (count > 0) return sum / count;
+  const std::vector<int>& around = rims.neighbours(vertex);
+  for (const int w : around) own += (mesh.vertex(w) - mesh.vertex(vertex)).norm();
+  return own / static_cast<double>(around.size());
+}
+
 /// Where the surface would go on at each point of the rim: away from the wall within a few rings,
 /// across the rim, and much the same as beside it, so that noise at the rim does not count; but
 /// never wider than the rim, beyond which a wall that widens towards it would blow up.
@@ -153,17 +191,7 @@ Points onwardOf(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>
   Points onward = Points::Zero(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vector3 here = mesh.vertex(rim[i]);
-    std::vector<int> ball{rim[i]};
-    size_t begin = 0;
-    for (int d = 0; d < depth; ++d) {
-      const size_t end = ball.size();
-      for (size_t j = begin; j < end; ++j)
-        for (const int w : rims.neighbours(ball[j]))
-          if (std::find(ball.begin(), ball.end(), w) == ball.end() &&
-              !std::binary_search(sorted.begin(), sorted.end(), w))
-            ball.push_back(w);
-      begin = end;
-    }
+    const std::vector<int> ball = within(rims, sorted, rim[i], depth);
     Vector3 away = Vector3::Zero();
     for (size_t j = 1; j < ball.size(); ++j) away += here - mesh.vertex(ball[j]);
     onward.row(i) = away.stableNormalized().transpose();
@@ -183,17 +211,16 @@ Points onwardOf(const BrokenMesh& mesh, const Rims& rims, const std::vector<int>
 Rim rimOf(const BrokenMesh& mesh, const Rims& rims, const Ring& ring, const std::vector<int>& rim,
           LidShape shape) {
   const auto n = static_cast<Eigen::Index>(rim.size());
+  std::vector<int> sorted = rim;
+  std::sort(sorted.begin(), sorted.end());
   Rim result{Points(n, 3), Points(n, 3), Eigen::VectorXd(n), Points::Zero(n, 3), {}};
   for (Eigen::Index i = 0; i < n; ++i) {
     result.points.row(i) = mesh.vertices.row(rim[i]);
     result.wall.row(i) =
         areaVector(mesh.vertices, mesh.faces, ring[i] / 3).stableNormalized().transpose();
-    double sum = 0;
-    for (const int w : rims.neighbours(rim[i]))
-      sum += (mesh.vertex(w) - mesh.vertex(rim[i])).norm();
-    result.spacing[i] = sum / static_cast<double>(rims.neighbours(rim[i]).size());
+    result.spacing[i] = edgeLengthNear(mesh, rims, sorted, rim[i]);
   }
-  // Where a cut left tiny edges the lid is to be as fine as the wall, not as those.
+  // Where there is nothing but tiny edges the lid need not be as fine.
   const double least = 0.5 * result.spacing.mean();
   result.spacing = smoothedRound(Eigen::VectorXd(result.spacing.cwiseMax(least)), 2);
   if (shape == LidShape::Curved) result.onward = onwardOf(mesh, rims, rim);
@@ -201,11 +228,224 @@ Rim rimOf(const BrokenMesh& mesh, const Rims& rims, const Ring& ring, const std:
   return result;
 }
 
+/// One side of a wall, open at its rim.
+struct Shell {
+  std::vector<int> faces;
+  Ring ring;
+  std::vector<int> rim;  // origins along the ring
+  double perimeter = 0;
+  Vector3 normal = Vector3::Zero();  // of the rim, by the right hand along the ring
+  Vector3 centre = Vector3::Zero();  // of the rim
+};
+
+/// Six times the volume of a shell and of the fan on its rim: positive where faces look outwards.
+double volumeOf(const BrokenMesh& mesh, const Shell& shell) {
+  double volume = 0;
+  for (const int f : shell.faces)
+    volume +=
+        areaVector(mesh.vertices, mesh.faces, f).dot(mesh.vertex(mesh.faces(f, 0)) - shell.centre);
+  return volume;  // the fan's corners are coplanar with its apex
+}
+
+/// How often a shell with the fan on its rim goes round a point; near 1 or -1 inside.
+double windingOf(const BrokenMesh& mesh, const Shell& shell, const Vector3& point) {
+  const auto angle = [&](const Vector3& a, const Vector3& b, const Vector3& c) {
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    return 2 * std::atan2(a.dot(b.cross(c)),
+                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  };
+  double sum = 0;
+  for (const int f : shell.faces)
+    sum += angle(mesh.vertex(mesh.faces(f, 0)) - point, mesh.vertex(mesh.faces(f, 1)) - point,
+                 mesh.vertex(mesh.faces(f, 2)) - point);
+  for (size_t i = 0; i < shell.rim.size(); ++i)
+    sum += angle(shell.centre - point, mesh.vertex(shell.rim[(i + 1) % shell.rim.size()]) - point,
+                 mesh.vertex(shell.rim[i]) - point);
+  return sum / (4 * pi);
+}
+
+/// The two largest parts of a mesh, with their main rims; nothing where they have none.
+std::optional<std::pair<Shell, Shell>> largestShells(const BrokenMesh& mesh, const Rims& rims) {
+  constexpr double smallest = 0.1, mainRim = 2;
+  const EdgeTable edges(mesh.faces);
+  DisjointSets sets(mesh.faceCount());
+  for (int e = 0; e < edges.count(); ++e)
+    for (int i = 1; i < edges.size(e); ++i)
+      sets.unite(edges.halfEdge(e, 0) / 3, edges.halfEdge(e, i) / 3);
+  std::vector<double> area(mesh.faceLid.size(), 0);
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    area[sets.find(f)] += areaVector(mesh.vertices, mesh.faces, f).norm();
+  const auto largest = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
+  const double most = area[largest];
+  area[largest] = 0;
+  const auto next = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
+  if (area[next] < smallest * most || area[next] <= 0) return std::nullopt;
+  std::pair<Shell, Shell> shells;
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    if (sets.find(f) == largest) shells.first.faces.push_back(f);
+    if (sets.find(f) == next) shells.second.faces.push_back(f);
+  }
+  double second[2]{};
+  for (const Ring& ring : rims.rings()) {
+    const int part = sets.find(ring.front() / 3);
+    if (part != largest && part != next) continue;
+    Shell& shell = part == largest ? shells.first : shells.second;
+    double perimeter = 0;
+    for (const int h : ring)
+      perimeter += (mesh.vertex(rims.target(h)) - mesh.vertex(rims.origin(h))).norm();
+    double& other = second[part == largest ? 0 : 1];
+    other = std::max(other, std::min(perimeter, shell.perimeter));
+    if (perimeter <= shell.perimeter) continue;
+    shell.perimeter = perimeter;
+    shell.ring = ring;
+  }
+  for (Shell* shell : {&shells.first, &shells.second}) {
+    if (shell->ring.size() < 3 || shell->perimeter < mainRim * second[shell == &shells.second])
+      return std::nullopt;
+    for (const int h : shell->ring) {
+      shell->rim.push_back(rims.origin(h));
+      shell->centre += mesh.vertex(rims.origin(h)) / static_cast<double>(shell->ring.size());
+    }
+    for (const int h : shell->ring)
+      shell->normal += (mesh.vertex(rims.origin(h)) - shell->centre)
+                           .cross(mesh.vertex(rims.target(h)) - shell->centre);
+  }
+  return shells;
+}
+
+/// Whether the first lies round the second, and their rims are those of one wall.
+bool isWall(const BrokenMesh& mesh, const Shell& outer, const Shell& inner) {
+  constexpr double alike = 0.7, narrowest = 0.3, farthest = 0.7, mostly = 0.9;
+  const double cosine =
+      std::fabs(outer.normal.stableNormalized().dot(inner.normal.stableNormalized()));
+  if (cosine < alike || inner.perimeter < narrowest * outer.perimeter) return false;
+  const double radius = outer.perimeter / (2 * pi);
+  for (const int v : inner.rim) {
+    double nearest = HUGE_VAL;
+    for (const int w : outer.rim)
+      nearest = std::min(nearest, (mesh.vertex(v) - mesh.vertex(w)).norm());
+    if (nearest > farthest * radius) return false;
+  }
+  constexpr size_t samples = 64;
+  const size_t step = std::max<size_t>(1, inner.faces.size() / samples);
+  int inside = 0, all = 0;
+  for (size_t i = 0; i < inner.faces.size(); i += step, ++all) {
+    Vector3 point = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) point += mesh.vertex(mesh.faces(inner.faces[i], k)) / 3;
+    inside += std::fabs(windingOf(mesh, outer, point)) > 0.5;
+  }
+  return inside >= mostly * all;
+}
+
+/// The outer and the inner side of a wall.
+std::optional<std::pair<Shell, Shell>> wallOf(const BrokenMesh& mesh, const Rims& rims) {
+  auto shells = largestShells(mesh, rims);
+  if (!shells) return std::nullopt;
+  if (!isWall(mesh, shells->first, shells->second)) {
+    std::swap(shells->first, shells->second);
+    if (!isWall(mesh, shells->first, shells->second)) return std::nullopt;
+  }
+  return shells;
+}
+
+/// Faces between two rims, as indices into both, one behind the other: on the left of the first,
+/// which runs as it does in its shell, and of the second, which runs the other way round.
+Triangles zipped(const BrokenMesh& mesh, const std::vector<int>& first,
+                 const std::vector<int>& second) {
+  const auto n = static_cast<int>(first.size()), m = static_cast<int>(second.size());
+  int start = 0;
+  double nearest = HUGE_VAL;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j)
+      if (const double d = (mesh.vertex(first[i]) - mesh.vertex(second[j])).squaredNorm();
+          d < nearest) {
+        nearest = d;
+        start = i * m + j;
+      }
+  const auto at = [&](int i) { return (start / m + i) % n; };
+  const auto over = [&](int j) { return (start % m + j) % m; };
+  // Cost of all lines up to the one from point i to point j.
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(n + 1, m + 1, HUGE_VAL);
+  cost(0, 0) = 0;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= m; ++j) {
+      if (i + j == 0) continue;
+      const double line = (mesh.vertex(first[at(i)]) - mesh.vertex(second[over(j)])).squaredNorm();
+      const double before =
+          std::min(i > 0 ? cost(i - 1, j) : HUGE_VAL, j > 0 ? cost(i, j - 1) : HUGE_VAL);
+      cost(i, j) = before + line;
+    }
+  Triangles faces(n + m, 3);
+  for (int i = n, j = m, f = 0; i + j > 0; ++f)
+    if (j == 0 || (i > 0 && cost(i - 1, j) <= cost(i, j - 1))) {
+      faces.row(f) << at(i), at(i - 1), n + over(j);
+      --i;
+    } else {
+      faces.row(f) << n + over(j - 1), n + over(j), at(i);
+      --j;
+    }
+  return faces;
+}
+
 }  // namespace
 
-std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progress& progress) {
+bool hasShells(const BrokenMesh& mesh) {
+  BrokenMesh copy = mesh;
+  orientAlike(copy);
+  const Rims rims(copy);
+  return wallOf(copy, rims).has_value();
+}
+
+std::optional<Opening> joinShells(BrokenMesh& mesh) {
+  if (!hasShells(mesh)) return std::nullopt;
+  orientAlike(mesh);
+  {
+    const Rims rims(mesh);
+    const auto shells = wallOf(mesh, rims);
+    for (const bool outer : {true, false}) {
+      const Shell& shell = outer ? shells->first : shells->second;
+      if ((volumeOf(mesh, shell) > 0) == outer) continue;
+      for (const int f : shell.faces) turnFace(mesh, f);
+    }
+  }
+  const Rims rims(mesh);
+  const auto shells = wallOf(mesh, rims);
+  std::vector<int> rim = shells->first.rim, inner = shells->second.rim;
+  std::reverse(inner.begin(), inner.end());
+  const Triangles zip = zipped(mesh, rim, inner);
+  std::vector<int> sorted[2]{rim, inner};
+  for (std::vector<int>& part : sorted) std::sort(part.begin(), part.end());
+  const size_t outerSize = rim.size();
+  rim.insert(rim.end(), inner.begin(), inner.end());
+  const auto n = static_cast<Eigen::Index>(rim.size());
+  Rim both{Points(n, 3), Points::Zero(n, 3), Eigen::VectorXd(n), Points::Zero(n, 3), {}};
+  Opening opening;
+  for (size_t i = 0; i < rim.size(); ++i) {
+    both.points.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(rim[i]);
+    both.spacing[static_cast<Eigen::Index>(i)] =
+        edgeLengthNear(mesh, rims, sorted[i < outerSize ? 0 : 1], rim[i]);
+    opening.centre += mesh.vertex(rim[i]) / static_cast<double>(n);
+  }
+  both.joined = [&rims, &rim](int i, int j) { return rims.joined(rim[i], rim[j]); };
+  const Lid band = makeBand(both, zip);
+  const int first = mesh.addVertices(band.vertices, 1);
+  Triangles faces = band.faces;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      int& v = faces(f, k);
+      v = v < static_cast<int>(n) ? rim[v] : first + v - static_cast<int>(n);
+    }
+  mesh.addFaces(faces, 1, mesh.turned[shells->first.faces.front()]);
+  opening.edges = static_cast<int>(n);
+  opening.perimeter = shells->first.perimeter + shells->second.perimeter;
+  opening.newVertices = static_cast<int>(band.vertices.rows());
+  opening.newFaces = static_cast<int>(faces.rows());
+  return opening;
+}
+
+std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progress& progress,
+                                   std::vector<Opening> openings) {
   Rims rims(mesh);
-  std::vector<Opening> openings;
   size_t done = 0;
   for (Ring ring : rims.rings()) {
     report(progress, static_cast<double>(done++) / static_cast<double>(rims.rings().size()));

@@ -79,12 +79,19 @@ PreparedMesh preparedMesh(const Points& vertices, const Triangles& faces,
   if (parameters.removeDuplicateFaces) result.duplicateFaces += dropRepeatedFaces(mesh);
   if (parameters.removeFins) result.sheets = separateSheets(mesh);
   report(progress, 0.3);
+  if (parameters.joinShells) {
+    if (const std::optional<Opening> ring = joinShells(mesh)) result.openings.push_back(*ring);
+    result.joinedShells = !result.openings.empty();
+  } else if (parameters.keepLargestComponent || parameters.closeOpenings) {
+    result.shells = hasShells(mesh);
+  }
   if (parameters.keepLargestComponent) result.dropped = keepLargestSurface(mesh);
   orientAlike(mesh);  // which openings need; turned back below where it is not asked for
   if (parameters.removeDuplicateFaces) result.flatFaces = mendFlatFaces(mesh);
   report(progress, 0.4);
   if (parameters.closeOpenings)
-    result.openings = closeOpenings(mesh, parameters.lid, part(progress, 0.4, 0.9));
+    result.openings =
+        closeOpenings(mesh, parameters.lid, part(progress, 0.4, 0.9), std::move(result.openings));
   if (parameters.removeDuplicateFaces) result.flatFaces += mendFlatFaces(mesh);
   orientOutwards(mesh);
   result.oneSided = isOneSided(mesh);

@@ -19,6 +19,7 @@ struct PreparationParameters {
                      ///< without faces are dropped
   bool removeDuplicateFaces = true;  ///< and faces without area
   bool removeFins = true;            ///< see separateSheets
+  bool joinShells = false;           ///< the two sides of a wall, see openings.h
   bool keepLargestComponent = true;  ///< by area
   bool closeOpenings = true;         ///< see closeOpenings
   LidShape lid = LidShape::Curved;
@@ -44,7 +45,9 @@ struct PreparedMesh {
   SeparatedSheets sheets;
   DroppedSurfaces dropped;
   int turnedFaces = 0;
-  std::vector<Opening> openings;
+  std::vector<Opening> openings;  ///< the first of them between shells, where there were some
+  bool joinedShells = false;
+  bool shells = false;          ///< it held the two sides of a wall, which were not joined
   int handles = 0;              ///< removed
   double voxelSize = 0;         ///< of the volume in which they were
   bool oneSided = false;        ///< as a Moebius strip: no step closes or orients it
