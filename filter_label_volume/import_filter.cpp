@@ -17,6 +17,7 @@
 #include "filter_label_volume/earlier_imports.h"
 #include "filter_label_volume/file_series.h"
 #include "filter_label_volume/messages.h"
+#include "filter_label_volume/shared_remarks.h"
 #include "filter_label_volume/volume_file.h"
 #include "host/help.h"
 #include "host/remedies.h"
@@ -46,7 +47,7 @@ constexpr double maxDifference = 0.05;
 constexpr double maxDropped = 0.01;
 
 /// Slices that lie so far off the line of those beside them are named, mm.
-constexpr double minUneven = 4;
+constexpr double minUneven = 3;
 
 std::string millilitres(double cubicMillimetres) {
   char buffer[32];
@@ -196,6 +197,7 @@ class ImportFilter : public host::Filter {
       task.say(volume_messages::otherFileOfThisName,
                stemOf(files.front()) + earlier.suffix() + labelText);
     long skipped = 0;
+    SharedRemarks ofReading;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
       const std::string stem = stemOf(files[static_cast<size_t>(f)]) + earlier.suffix();
@@ -213,7 +215,8 @@ class ImportFilter : public host::Filter {
             part(task.progress, handlesFrom * phase / phases, handlesFrom * (phase + 1.0) / phases);
         try {
           sequence.add(file.phase(p), progress);
-          entries.push_back({name, static_cast<size_t>(f), p, phase, stopwatch.seconds()});
+          entries.push_back(
+              {name, static_cast<size_t>(f), p, file.phases(), phase, stopwatch.seconds()});
         } catch (const AbsentLabelError& error) {
           if (!skip || phases == 1) {
             const std::string what =
@@ -221,45 +224,53 @@ class ImportFilter : public host::Filter {
             throw AbsentLabelError(phases > 1 ? host::said(volume_messages::canBeSkipped, what)
                                               : what);
           }
-          task.tell(host::remarkOn(name, volume_messages::phaseSkipped, host::sentence(error)));
+          ofReading.add(name, volume_messages::phaseSkipped, host::sentence(error));
           ++skipped;
         } catch (const VolumeError& error) {
           throw VolumeError(place(files[static_cast<size_t>(f)], p, file.phases()) +
                             host::sentence(error));
         }
       }
-      for (host::Remark of : file.remarks()) {
-        of.layer = stem;
-        task.tell(of);
-      }
+      for (const host::Remark& of : file.remarks()) ofReading.add(stem, of);
     }
+    ofReading.tell(task);
     if (entries.empty())
       throw host::Refusal(volume_messages::allSkipped, fileName, task.values.text("labels"));
     const Trial trial(files, coordinates, parameters, entries);
     std::vector<Figures> figures;
     bool anyHandles = false, triedToAlign = false;
-    PhasesOfSlices phasesOfSlices;
+    SharedRemarks remarks;
+    std::map<int, std::vector<int>> apart;  // by slice: the phases
+    std::map<std::pair<size_t, int>, std::vector<int>> sequences;
     std::vector<Thin> thin;
     for (size_t i = 0; i < entries.size(); ++i) {
       const Entry& entry = entries[i];
       const Stopwatch stopwatch;
-      VolumeSurface surface = sequence.surface(i, part(task.progress, handlesFrom, 1));
+      VolumeSurface surface = [&] {
+        try {
+          return sequence.surface(i, part(task.progress, handlesFrom, 1));
+        } catch (const VolumeError& error) {
+          throw VolumeError(place(files[entry.file], entry.phaseInFile, entry.phasesOfFile) +
+                            host::sentence(error));
+        }
+      }();
       task.log(entry.name + ": " + sphere_propagation::describe(surface));
-      warn(task, entry.name, surface);
-      for (const int slice : surface.slices)
-        phasesOfSlices[slice][isMoved(surface, slice) ? 0 : 1].push_back(entry.phase);
+      warn(remarks, entry.name, surface);
+      for (const int slice : surface.apartSlices) apart[slice].push_back(entry.phase);
+      sequences[{entry.file, surface.sliceSequence}].push_back(entry.phase);
       if (isThin(surface)) thin.push_back({i, totalLoss(surface), surface.voxelSize});
-      warnOfSlices(task, entry.name, surface, parameters.interpolation.alignSlices, [&] {
+      warnOfSlices(remarks, entry.name, surface, parameters.interpolation.alignSlices, [&] {
         if (std::exchange(triedToAlign, true)) return 0L;
-        return trial.keptByAligning(i, surface.lostSlices);
+        return trial.keptByAligning(i, surface);
       });
-      anyHandles |= warnOfHandles(task, entry.name, surface);
-      figures.emplace_back(surface, entry.phase, entry.seconds + stopwatch.seconds());
+      anyHandles |= warnOfHandles(remarks, entry.name, surface);
+      figures.emplace_back(surface, entry.phase, entry.seconds + surface.seconds);
       addLayer(task, earlier, entry.file, entry.name, parameters, std::move(surface));
     }
-    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, phasesOfSlices);
+    warnOfThinLabels(remarks, thin, entries, trial);
+    remarks.tell(task);
+    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, apart, sequences, files);
     if (anyHandles) task.say(volume_messages::handlesElsewhere);
-    warnOfThinLabels(task, thin, entries, trial);
     if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
     if (earlier.replacedUnknown() > 0)
       task.say(volume_messages::unknownReplaced, earlier.replacedUnknown());
@@ -275,7 +286,7 @@ class ImportFilter : public host::Filter {
   struct Entry {
     std::string name;
     size_t file = 0;
-    int phaseInFile = 0;
+    int phaseInFile = 0, phasesOfFile = 0;
     int phase = 0;
     double seconds = 0;
   };
@@ -303,17 +314,17 @@ class ImportFilter : public host::Filter {
 
   /// What the user should know about a phase's surface, but for what warnOfThinLabels says; usually
   /// nothing.
-  static void warn(const host::Task& task, const std::string& name, const VolumeSurface& surface) {
+  static void warn(SharedRemarks& remarks, const std::string& name, const VolumeSurface& surface) {
     const double loss = lostShare(surface);
     const double total = totalLoss(surface);
     if (!isThin(surface) && std::min(std::abs(loss), std::abs(total)) > maxDifference &&
         surface.interpolatedSlices == 0)
-      task.sayOf(name, volume_messages::volumesDiffer, 100 * std::abs(total),
-                 total > 0 ? "less" : "more");
+      remarks.add(name, volume_messages::volumesDiffer, 100 * std::abs(total),
+                  total > 0 ? "less" : "more");
     if (droppedShare(surface) > maxDropped)
-      task.sayOf(name, volume_messages::partsDropped, 100 * droppedShare(surface));
+      remarks.add(name, volume_messages::partsDropped, 100 * droppedShare(surface));
     if (surface.interpolatedSlices > 0)
-      task.sayOf(name, volume_messages::slicesInterpolated, surface.interpolatedSlices);
+      remarks.add(name, volume_messages::slicesInterpolated, surface.interpolatedSlices);
   }
 
   /// How much of what was kept of the label its surface does not enclose.
@@ -351,10 +362,13 @@ class ImportFilter : public host::Filter {
     const VolumeSurfaceParameters& parameters() const { return parameters_; }
 
     /// How many of a phase's lost slices align_slices would keep.
-    long keptByAligning(size_t entry, const std::vector<int>& lost) const {
+    long keptByAligning(size_t entry, const VolumeSurface& surface) const {
       VolumeSurfaceParameters parameters = parameters_;
       parameters.interpolation.alignSlices = true;
-      const std::vector<int> left = workingVolume(labels(entry), parameters).surface.lostSlices;
+      const std::vector<int> left = workingVolume(cutOut(labels(entry), parameters.interpolation),
+                                                  surface.unevenSlices, parameters)
+                                        .surface.lostSlices;
+      const std::vector<int>& lost = surface.lostSlices;
       return std::count_if(lost.begin(), lost.end(), [&](int slice) {
         return std::find(left.begin(), left.end(), slice) == left.end();
       });
@@ -389,18 +403,19 @@ class ImportFilter : public host::Filter {
   };
 
   /// Names them; and with the worst which smaller smoothing or voxel_size brings most of it back.
-  static void warnOfThinLabels(host::Task& task, const std::vector<Thin>& thin,
+  static void warnOfThinLabels(SharedRemarks& remarks, const std::vector<Thin>& thin,
                                const std::vector<Entry>& entries, const Trial& trial) {
     const auto worst = std::max_element(
         thin.begin(), thin.end(), [](const Thin& a, const Thin& b) { return a.loss < b.loss; });
     for (auto phase = thin.begin(); phase != thin.end(); ++phase)
-      task.tell(phase == worst
-                    ? adviceOn(*phase, entries[phase->entry].name, trial)
-                    : host::remarkOn(entries[phase->entry].name, volume_messages::thinLabel,
-                                     std::lround(100 * phase->loss)));
+      if (phase == worst)
+        remarks.add(entries[phase->entry].name, adviceOn(*phase, trial));
+      else
+        remarks.add(entries[phase->entry].name, volume_messages::thinLabel,
+                    std::lround(100 * phase->loss));
   }
 
-  static host::Remark adviceOn(const Thin& thin, const std::string& name, const Trial& trial) {
+  static host::Remark adviceOn(const Thin& thin, const Trial& trial) {
     std::string bestWay, tried;
     double best = thin.loss;
     const double smoothing = trial.parameters().smoothing;
@@ -426,9 +441,9 @@ class ImportFilter : public host::Filter {
     }
     const long now = std::lround(100 * thin.loss);
     return best < maxLoss || best < thin.loss / 2
-               ? host::remarkOn(name, volume_messages::thinRemedy, now, bestWay,
+               ? host::remarkOn("", volume_messages::thinRemedy, now, bestWay,
                                 std::lround(100 * best))
-               : host::remarkOn(name, volume_messages::thinForItsVoxels, now, tried);
+               : host::remarkOn("", volume_messages::thinForItsVoxels, now, tried);
   }
 
   /// "slices 3 to 5, slice 11".
@@ -456,13 +471,16 @@ class ImportFilter : public host::Filter {
   }
 
   /// keptByAligning: how many of the lost slices would be.
-  static void warnOfSlices(host::Task& task, const std::string& name, const VolumeSurface& surface,
-                           bool aligned, const std::function<long()>& keptByAligning) {
+  static void warnOfSlices(SharedRemarks& remarks, const std::string& name,
+                           const VolumeSurface& surface, bool aligned,
+                           const std::function<long()>& keptByAligning) {
     if (!surface.lostSlices.empty()) {
       const long kept = aligned ? 0 : keptByAligning();
       const std::string lost = slicesText(surface.lostSlices);
-      task.tell(kept > 0 ? host::remarkOn(name, volume_messages::slicesLostByShift, lost, kept)
-                         : host::remarkOn(name, volume_messages::slicesLost, lost));
+      if (kept > 0)
+        remarks.add(name, volume_messages::slicesLostByShift, lost, kept);
+      else
+        remarks.add(name, volume_messages::slicesLost, lost);
     }
     std::vector<UnevenSlice> uneven = surface.unevenSlices;
     if (!aligned)
@@ -475,21 +493,15 @@ class ImportFilter : public host::Filter {
                                   }),
                    uneven.end());
     if (!uneven.empty())
-      task.tell(host::remarkOn(
-          name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
-          shiftsText(uneven)));
+      remarks.add(name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
+                  shiftsText(uneven));
   }
 
-  /// By slice: the phases in which it is out of line, and those in which it is not.
-  using PhasesOfSlices = std::map<int, std::array<std::vector<int>, 2>>;
-
-  static bool isMoved(const VolumeSurface& surface, int slice) {
-    return std::any_of(surface.unevenSlices.begin(), surface.unevenSlices.end(),
-                       [&](const UnevenSlice& uneven) { return uneven.slice == slice; });
-  }
-
-  /// "slice 6 in phases 0, 3, not in phases 1, 2".
-  static void warnOfUnlikePhases(const host::Task& task, const PhasesOfSlices& slices) {
+  /// "slice 6 in phases 0, 3; slice 8 in phase 1", and files whose phases do not belong together.
+  static void warnOfUnlikePhases(
+      const host::Task& task, const std::map<int, std::vector<int>>& apart,
+      const std::map<std::pair<size_t, int>, std::vector<int>>& sequences,
+      const std::vector<std::string>& files) {
     const auto listed = [](const std::vector<int>& phases) {
       std::string text = phases.size() > 1 ? "phases " : "phase ";
       for (size_t i = 0; i < phases.size(); ++i)
@@ -497,11 +509,17 @@ class ImportFilter : public host::Filter {
       return text;
     };
     std::string unlike;
-    for (const auto& [slice, phases] : slices)
-      if (!phases[0].empty() && !phases[1].empty())
-        unlike += (unlike.empty() ? "slice " : "; slice ") + std::to_string(slice) + " in " +
-                  listed(phases[0]) + ", not in " + listed(phases[1]);
+    for (const auto& [slice, phases] : apart)
+      unlike += (unlike.empty() ? "slice " : "; slice ") + std::to_string(slice) + " in " +
+                listed(phases);
     if (!unlike.empty()) task.say(volume_messages::slicesAlignedInSome, unlike);
+    for (size_t f = 0; f < files.size(); ++f) {
+      std::string parts;
+      int number = 0;
+      for (const auto& [of, phases] : sequences)
+        if (of.first == f) parts += (number++ > 0 ? "; " : "") + listed(phases);
+      if (number > 1) task.say(volume_messages::slicesAlignedByParts, files[f], parts);
+    }
   }
 
   static host::Outputs outputsOf(const std::vector<Figures>& figures) {
@@ -520,7 +538,7 @@ class ImportFilter : public host::Filter {
   }
 
   /// Whether there was anything to say.
-  static bool warnOfHandles(host::Task& task, const std::string& name,
+  static bool warnOfHandles(SharedRemarks& remarks, const std::string& name,
                             const VolumeSurface& surface) {
     const RemovedHandles& removed = surface.handles;
     if (removed.changedVoxels == 0) return false;
@@ -529,8 +547,8 @@ class ImportFilter : public host::Filter {
                                        : volume_messages::handlesCut;
     const std::string what = removed.handles > 0 ? counted(removed.handles, "handle", "handles")
                                                  : std::string("a cavity");
-    task.tell(host::remarkOn(name, message, what, workingVoxels(removed.changedVoxels),
-                             placesText(surface.handlePlaces)));
+    remarks.add(name, message, what, workingVoxels(removed.changedVoxels),
+                placesText(surface.handlePlaces));
     return true;
   }
 

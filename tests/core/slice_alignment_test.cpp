@@ -152,6 +152,76 @@ TEST(SliceAlignment, IsTheSameInAMirrorAndWithAxesSwapped) {
   }
 }
 
+std::vector<PhaseAlignment> aligned(const std::vector<LabelGrid>& phases) {
+  std::vector<std::vector<SlicePlace>> places;
+  for (const LabelGrid& labels : phases) places.push_back(slicePlaces(test::maskOf(labels)));
+  return alignSlices(places, spacing);
+}
+
+/// A bent cup that shrinks by so much, its base coming down.
+LabelGrid beating(double share) {
+  return test::labelsOf(
+      [=](const Vector3& x) {
+        const double height = (x[2] + 45) / (95 - 22 * share);
+        if (height < 0 || height > 1) return false;
+        const double outer =
+            (24 * std::sqrt(1 - std::pow(1 - height, 1.6)) + 4) * (1 - 0.3 * share);
+        return (x.head<2>() - Eigen::Vector2d(x[2] * x[2] / 180, 0.2 * x[2])).norm() < outer;
+      },
+      {80, 76, 13}, spacing);
+}
+
+TEST(SliceAlignment, MovesASliceAlikeInAllPhases) {
+  Shifts shifts(13, Eigen::Vector2i::Zero());
+  shifts[6] = {3, -2};
+  std::vector<LabelGrid> straight, phases;
+  for (const double share : {0.0, 0.4, 0.8, 1.0, 0.7, 0.2}) {
+    straight.push_back(beating(share));
+    phases.push_back(moved(straight.back(), shifts));
+  }
+  for (const PhaseAlignment& phase : aligned(straight)) EXPECT_TRUE(phase.shifts.empty());
+  for (const PhaseAlignment& phase : aligned(phases)) {
+    EXPECT_TRUE(phase.apart.empty());
+    EXPECT_EQ(phase.sequence, 0);
+    ASSERT_EQ(phase.shifts.size(), 1U);
+    EXPECT_EQ(phase.shifts[0].slice, 6);
+    EXPECT_LE((phase.shifts[0].voxels + shifts[6]).norm(), 1.5);
+    EXPECT_EQ(phase.shifts[0].voxels, aligned(phases)[0].shifts[0].voxels);
+  }
+  phases[3] = straight[3];  // which contradicts the others
+  const auto found = aligned(phases);
+  for (size_t p = 0; p < phases.size(); ++p)
+    EXPECT_EQ(found[p].shifts.size(), p == 3 ? 0U : 1U) << p;
+}
+
+TEST(SliceAlignment, KeepsSequencesApart) {
+  std::vector<LabelGrid> phases;
+  for (const unsigned seed : {4U, 9U})
+    for (const double share : {0.0, 0.5}) {
+      Shifts shifts = breathing(seed, 13, 4);
+      for (auto& shift : shifts) shift = shift.cwiseMin(9).cwiseMax(-9);
+      phases.push_back(moved(beating(share), shifts));
+    }
+  const auto together = aligned(phases), own = aligned({phases[2], phases[3]});
+  for (size_t p = 0; p < phases.size(); ++p) EXPECT_EQ(together[p].sequence, p < 2 ? 0 : 1);
+  for (size_t p = 0; p < 2; ++p) {
+    ASSERT_EQ(together[2 + p].shifts.size(), own[p].shifts.size());
+    for (size_t i = 0; i < own[p].shifts.size(); ++i)
+      EXPECT_EQ(together[2 + p].shifts[i].voxels, own[p].shifts[i].voxels);
+  }
+}
+
+TEST(SliceAlignment, SaysThatOpenRingsMeet) {
+  LabelGrid rings = test::labelsOf(
+      [](const Vector3& x) {  // a wall that opens to one side and widens
+        const double r = x.head<2>().norm(), inner = 14 + 0.4 * (x[2] + 45);
+        return r > inner && r < inner + 5 && std::atan2(x[1], x[0]) < 2.4;
+      },
+      {120, 120, 9}, spacing);
+  for (const SlicePlace& place : slicePlaces(test::maskOf(rings))) EXPECT_TRUE(place.meets);
+  EXPECT_TRUE(found(rings).empty());
+}
+
 TEST(SliceAlignment, SaysNothingOfFewSlices) {
   const auto two = [](const Vector3& x) { return x.norm() < 12; };
   EXPECT_TRUE(found(test::labelsOf(two, {30, 30, 4}, spacing)).empty());

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import sphere_propagation as sp
 import volume_files
+from scipy.spatial import cKDTree
 from sphere_propagation import command, files, plugin
 
 
@@ -78,10 +79,10 @@ def test_what_deserves_a_look_is_warned_of(volume, tmp_path):
         sp.read_label_volume(tmp_path / "gap.nii")
     with pytest.warns(
         sp.SpherePropagationWarning,
-        match=r"^beat_1.5mm label 2 phase \d+: the surface encloses [\d.]+ % (more|less) than ",
+        match=r"^beat_1.5mm label 2 phases 00 to 02: the surface encloses [\d.]+ to [\d.]+ % more ",
     ) as warned:
         sp.read_label_volume(volume, labels=2)
-    assert len({w.message.layer for w in warned}) == len(warned) == 3
+    assert len(warned) == 1
     two = np.concatenate([labels, labels[:, :, ::-1], labels[:10]], 0)
     (tmp_path / "parts.nii").write_bytes(volume_files.nifti(two))
     with (
@@ -152,7 +153,79 @@ def test_slices_out_of_place_do_not_make_a_label_thin(tmp_path, moved, by):
     assert "% less than the label's voxels." in said and "slice" in said
 
 
-def test_slices_moved_in_some_phases_only_are_named(tmp_path):
+def tubes(shifts, phases, slices=13):
+    """Phases of a bent tube that beats, its slices moved by so many voxels along the first axis."""
+    x, y = np.indices((84, 64))
+    labels = np.zeros((84, 64, slices + 4, phases), np.uint8)
+    for p in range(phases):
+        for k in range(slices):
+            middle = 36 + 0.08 * (k - 5) ** 2 + shifts[p].get(k, 0)
+            radius = 14 - 1.5 * p + 0.1 * k
+            labels[:, :, 2 + k, p] = (x - middle) ** 2 + (y - 30) ** 2 < radius**2
+    return labels
+
+
+def aligned(path, **parameters):
+    """The surfaces and the texts of the warnings."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sp.SpherePropagationWarning)
+        found = sp.read_label_volume(path, align_slices=True, **parameters)
+    return found.surfaces, [str(w.message) for w in caught]
+
+
+def off(surfaces, straight):
+    """How far surfaces lie from others of the same volumes, mean over all, mm."""
+    apart = [cKDTree(b.vertices).query(a.vertices)[0].mean() for a, b in zip(surfaces, straight)]
+    return np.array(apart)
+
+
+THICK = np.diag([1.4, 1.4, 10, 1])
+
+
+def test_slices_are_moved_alike_in_all_phases(tmp_path):
+    """In a 4D file and in a series of files."""
+    moved = tubes([{6: 6}] * 3, 3)
+    whole, series = tmp_path / "whole.nii", tmp_path / "part_0.nii"
+    whole.write_bytes(volume_files.nifti(moved, THICK))
+    for p in range(3):
+        (tmp_path / f"part_{p}.nii").write_bytes(volume_files.nifti(moved[..., p].copy(), THICK))
+    (tmp_path / "straight.nii").write_bytes(volume_files.nifti(tubes([{}] * 3, 3), THICK))
+    straight, said = aligned(tmp_path / "straight.nii")
+    assert not said
+    for path, parameters in ((whole, {}), (series, {"file_series": True})):
+        surfaces, said = aligned(path, **parameters)
+        assert not said
+        assert off(surfaces, straight).max() < 0.8
+    with pytest.warns(
+        sp.SpherePropagationWarning,
+        match=r"^whole label 1 phases 00 to 02: not in line .*: slice 8 by [78]\.\d mm ",
+    ) as warned:
+        sp.read_label_volume(whole)
+    assert len(warned) == 1
+
+
+def test_slices_of_different_bodies_are_moved_apart(tmp_path):
+    """Another patient's files in one series: each has slices of its own out of line."""
+    rng = np.random.default_rng(3)
+    breaths = [dict(enumerate(rng.integers(-7, 8, 13).tolist())) for _ in range(2)]
+    labels = tubes([breaths[0], breaths[0], breaths[1], breaths[1]], 4)
+    for p in range(4):
+        (tmp_path / f"p_{p}.nii").write_bytes(volume_files.nifti(labels[..., p].copy(), THICK))
+    together, said = aligned(tmp_path / "p_0.nii", file_series=True)
+    assert not said
+    for first in (0, 2):
+        (tmp_path / "own.nii").write_bytes(
+            volume_files.nifti(labels[..., first : first + 2].copy(), THICK)
+        )
+        for a, b in zip(together[first : first + 2], aligned(tmp_path / "own.nii")[0]):
+            assert np.array_equal(a.vertices, b.vertices)
+    (tmp_path / "all.nii").write_bytes(volume_files.nifti(labels, THICK))
+    assert any(
+        "aligned apart: phases 0, 1; phases 2, 3" in s for s in aligned(tmp_path / "all.nii")[1]
+    )
+
+
+def test_slices_that_lie_otherwise_in_some_phases_are_named(tmp_path):
     """Phase 1 has its slice in line, and the phase without the last slice says nothing of it."""
     x, y = np.indices((72, 64))
     labels = np.zeros((72, 64, 13, 3), np.uint8)
@@ -161,18 +234,28 @@ def test_slices_moved_in_some_phases_only_are_named(tmp_path):
             aside = 8 * (k == 4 and p != 1)
             labels[:, :, 2 + k, p] = (x - 30 - aside) ** 2 + (y - 30) ** 2 < 14**2
     path = tmp_path / "some.nii"
-    path.write_bytes(volume_files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
-    with pytest.warns(
-        sp.SpherePropagationWarning,
-        match=r"slices moved in some phases and not in others: slice 6 in phases 0, 2, not in "
-        r"phase 1 \(counted from 0\)",
-    ):
-        sp.read_label_volume(path, align_slices=True)
+    path.write_bytes(volume_files.nifti(labels, THICK))
+    surfaces, said = aligned(path)
+    assert len(said) == 1
+    assert (
+        "otherwise in some phases than in the others: slice 6 in phase 1 (counted from 0)"
+        in said[0]
+    )
+    for surface in surfaces:
+        assert np.ptp(surface.vertices[:, 0]) < 42  # in line
     labels[..., 1] = labels[..., 0]
-    path.write_bytes(volume_files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
+    path.write_bytes(volume_files.nifti(labels, THICK))
+    assert not aligned(path)[1]
+
+
+def test_a_slow_drift_is_a_bend_and_stays(tmp_path):
+    drift = [{k: round(0.09 * (k - 6) ** 2) for k in range(13)}] * 2
+    (tmp_path / "drift.nii").write_bytes(volume_files.nifti(tubes(drift, 2), THICK))
     with warnings.catch_warnings():
         warnings.simplefilter("error", sp.SpherePropagationWarning)
-        sp.read_label_volume(path, align_slices=True)
+        before = sp.read_label_volume(tmp_path / "drift.nii").surfaces
+    after, said = aligned(tmp_path / "drift.nii")
+    assert not said and off(after, before).max() == 0
 
 
 def vertebra(thin):

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/sentence.h"
 #include "vcg_ext/volume/distance_transform.h"
-#include "vcg_ext/volume/slice_alignment.h"
 #include "vcg_ext/volume/slice_holes.h"
 
 namespace sphere_propagation {
@@ -25,17 +25,6 @@ constexpr double maxPadding =
 constexpr double anisotropy = 1.5;
 // How much smaller one of the slices beside a gap may be: far apart, they differ more.
 constexpr double minShareAcross = 0.1, minShareInSpace = 0.5;
-
-/// What is inside, cut out of the labels, its slices along the last axis.
-struct Stack {
-  Mask mask;
-  Vector3 spacing = Vector3::Ones();
-  Eigen::Vector3i first =
-      Eigen::Vector3i::Zero();  // the index of voxel (0, 0, 0) in the labels, in the stack's axes
-  Eigen::Matrix4d toWorld =
-      Eigen::Matrix4d::Identity();  // from index times spacing, in the stack's axes
-  long voxels = 0;
-};
 
 std::string listOf(const std::vector<std::int32_t>& labels) {
   std::string text;
@@ -65,7 +54,7 @@ void requireLabels(const LabelGrid& grid, const std::vector<std::int32_t>& label
 }
 
 /// room: to be left empty round the labels, mm.
-Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, double room) {
+SliceStack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, double room) {
   const std::vector<std::int32_t> wanted = [&] {
     std::vector<std::int32_t> sorted = labels;
     std::sort(sorted.begin(), sorted.end());
@@ -76,13 +65,14 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
                               : std::binary_search(wanted.begin(), wanted.end(), label);
   };
   Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
-  Stack stack;
+  SliceStack stack;
+  long voxels = 0;
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j) {
       const std::int32_t* row = grid.values.data() + grid.index(0, j, k);
       for (int i = 0; i < grid.size[0]; ++i) {
         if (!inside(row[i])) continue;
-        ++stack.voxels;
+        ++voxels;
         low = low.cwiseMin(Eigen::Vector3i(i, j, k));
         high = high.cwiseMax(Eigen::Vector3i(i, j, k));
       }
@@ -111,6 +101,7 @@ Stack stackOf(const LabelGrid& grid, const std::vector<std::int32_t>& labels, do
     stack.toWorld.col(a) = grid.toWorld.col(axis) / spacing[axis];
   }
   stack.toWorld.col(3) = grid.toWorld.col(3);
+  stack.labelVolume = static_cast<double>(voxels) * grid.voxelVolume();
   stack.mask = Mask(padded);
   Eigen::Vector3i at;
   for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
@@ -207,8 +198,8 @@ class MonotoneCubic {
 };
 
 /// A grid of cubes that holds the stack's labels with the margin, aligned with its first voxel.
-ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eigen::Vector3i& high,
-                       double h) {
+ScalarGrid workingGrid(const SliceStack& stack, const Eigen::Vector3i& low,
+                       const Eigen::Vector3i& high, double h) {
   const Vector3 from = low.cast<double>().cwiseProduct(stack.spacing),
                 to = high.cast<double>().cwiseProduct(stack.spacing);
   ScalarGrid grid;
@@ -230,7 +221,7 @@ ScalarGrid workingGrid(const Stack& stack, const Eigen::Vector3i& low, const Eig
 
 /// The signed distances of the slices, each sampled on the working grid's x and y.
 std::vector<std::vector<float>> sampledSlices(const std::vector<float>& distance,
-                                              const Stack& stack, const ScalarGrid& grid) {
+                                              const SliceStack& stack, const ScalarGrid& grid) {
   const auto nx = static_cast<size_t>(grid.size[0]), ny = static_cast<size_t>(grid.size[1]);
   std::vector<Between> xs, ys;
   for (size_t i = 0; i < nx; ++i)
@@ -339,7 +330,7 @@ class Column {
 };
 
 /// Signed distances in the slices, and smoothly from one to the next.
-void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& grid) {
+void interpolateAcross(const SliceStack& stack, const Slices& slices, ScalarGrid& grid) {
   const auto sampled = [&](const Mask& mask) {
     return sampledSlices(signedDistance(mask, stack.spacing, 2), stack, grid);
   };
@@ -368,7 +359,7 @@ void interpolateAcross(const Stack& stack, const Slices& slices, ScalarGrid& gri
 }
 
 /// Fills the empty slices between others where the shape interpolated between these is.
-void fillGaps(Stack& stack, const Slices& slices) {
+void fillGaps(SliceStack& stack, const Slices& slices) {
   const std::vector<float> distance = signedDistance(stack.mask, stack.spacing, 2);
   const size_t plane = stack.mask.index(0, 0, 1);
   for (const Slices::Run& run : slices.runs)
@@ -385,7 +376,7 @@ void fillGaps(Stack& stack, const Slices& slices) {
 }
 
 /// Signed distances in space.
-void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
+void interpolateInSpace(const SliceStack& stack, ScalarGrid& grid) {
   const auto sampled = [&] {
     return sampledSlices(signedDistance(stack.mask, stack.spacing), stack, grid);
   }();
@@ -402,8 +393,16 @@ void interpolateInSpace(const Stack& stack, ScalarGrid& grid) {
 
 }  // namespace
 
-InterpolatedLabels interpolateSlices(const LabelGrid& labels,
-                                     const SliceInterpolationParameters& parameters) {
+std::vector<UnevenSlice> SliceStack::uneven(const std::vector<SliceShift>& shifts) const {
+  std::vector<UnevenSlice> slices;
+  for (const SliceShift& shift : shifts)
+    slices.push_back({shift.slice + first[2],
+                      shift.voxels.cast<double>().cwiseProduct(spacing.head<2>()).norm(),
+                      shift.alone, shift.voxels});
+  return slices;
+}
+
+SliceStack cutOut(const LabelGrid& labels, const SliceInterpolationParameters& parameters) {
   labels.check();
   if (parameters.labels.empty()) throw ArgumentError("Label volume: no label was given.");
   requireRange("voxel size", parameters.voxelSize, Range::atLeast(0));
@@ -413,18 +412,32 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels,
       throw ArgumentError("Label volume: 0 is the background; the labels must be other numbers.");
   requireLabels(labels, parameters.labels);
   const double h = parameters.voxelSize > 0 ? parameters.voxelSize : labels.spacing().minCoeff();
-  Stack stack = stackOf(labels, parameters.labels, (margin + 2) * h);
+  SliceStack stack = stackOf(labels, parameters.labels, (margin + 2) * h);
+  stack.voxelSize = h;
+  stack.betweenSlices = stack.spacing[2] >= anisotropy * stack.spacing.head<2>().minCoeff();
+  return stack;
+}
 
+InterpolatedLabels interpolateSlices(const LabelGrid& labels,
+                                     const SliceInterpolationParameters& parameters) {
+  SliceStack stack = cutOut(labels, parameters);
+  std::vector<UnevenSlice> uneven;
+  if (stack.betweenSlices || parameters.alignSlices)
+    uneven = stack.uneven(findSliceShifts(stack.mask, stack.spacing));
+  return interpolateSlices(std::move(stack), uneven, parameters);
+}
+
+InterpolatedLabels interpolateSlices(SliceStack stack, const std::vector<UnevenSlice>& uneven,
+                                     const SliceInterpolationParameters& parameters) {
   InterpolatedLabels result;
-  result.labelVolume = static_cast<double>(stack.voxels) * labels.voxelVolume();
-  result.betweenSlices = stack.spacing[2] >= anisotropy * stack.spacing.head<2>().minCoeff();
-  if (result.betweenSlices || parameters.alignSlices) {
-    const std::vector<SliceShift> shifts = findSliceShifts(stack.mask, stack.spacing);
-    for (const SliceShift& shift : shifts)
-      result.unevenSlices.push_back(
-          {shift.slice + stack.first[2],
-           shift.voxels.cast<double>().cwiseProduct(stack.spacing.head<2>()).norm(), shift.alone});
-    if (parameters.alignSlices) stack.first.head<2>() -= moveSlices(stack.mask, shifts);
+  result.labelVolume = stack.labelVolume;
+  result.betweenSlices = stack.betweenSlices;
+  result.unevenSlices = uneven;
+  if (parameters.alignSlices) {
+    std::vector<SliceShift> shifts;
+    for (const UnevenSlice& slice : uneven)
+      shifts.push_back({slice.slice - stack.first[2], slice.voxels, slice.alone});
+    stack.first.head<2>() -= moveSlices(stack.mask, shifts);
   }
   const Slices slices = slicesOf(stack.mask, parameters.longestGap,
                                  result.betweenSlices ? minShareAcross : minShareInSpace);
@@ -438,7 +451,7 @@ InterpolatedLabels interpolateSlices(const LabelGrid& labels,
           low = low.cwiseMin(Eigen::Vector3i(i, j, k));
           high = high.cwiseMax(Eigen::Vector3i(i, j, k));
         }
-  result.grid = workingGrid(stack, low, high, h);
+  result.grid = workingGrid(stack, low, high, stack.voxelSize);
   if (result.betweenSlices) {
     interpolateAcross(stack, slices, result.grid);
   } else {

@@ -4,6 +4,7 @@
 
 #include "vcg_ext/volume/grid.h"
 #include "vcg_ext/volume/label_grid.h"
+#include "vcg_ext/volume/slice_alignment.h"
 
 namespace sphere_propagation {
 
@@ -20,6 +21,23 @@ struct UnevenSlice {
   int slice = 0;       ///< its index in the labels, along the slices' axis
   double shift = 0;    ///< how far it was moved, or would have to be, mm
   bool alone = false;  ///< whether it hardly met the slices beside it
+  Eigen::Vector2i voxels = Eigen::Vector2i::Zero();  ///< the same along the other two axes
+};
+
+/// The voxels with the labels, cut out and turned so that slices lie along the last axis.
+struct SliceStack {
+  Mask mask;  ///< its border is outside
+  Vector3 spacing = Vector3::Ones();
+  Eigen::Vector3i first =
+      Eigen::Vector3i::Zero();  ///< the index of voxel (0, 0, 0) in the labels, in the stack's axes
+  Eigen::Matrix4d toWorld =
+      Eigen::Matrix4d::Identity();  ///< from index in the labels times spacing, in the stack's axes
+  double labelVolume = 0;           ///< of the voxels with the labels, mm^3
+  double voxelSize = 0;             ///< of the working grid, mm
+  bool betweenSlices = false;       ///< whether shape-based interpolation is called for
+
+  /// These shifts of slices of the mask, as they are told.
+  std::vector<UnevenSlice> uneven(const std::vector<SliceShift>& shifts) const;
 };
 
 /// The voxels with the labels, cut out, slices along the last axis, as they were interpolated.
@@ -58,7 +76,8 @@ struct InterpolatedLabels {
 /// the wall is the one without the other. Else: signed distances in space, linear interpolation.
 /// Slices are those along the axis of the largest spacing, of equal ones the last.
 ///
-/// With alignSlices, slices are moved first, in whole voxels (slice_alignment.h).
+/// With alignSlices, slices are moved first, in whole voxels, as findSliceShifts says of the labels
+/// alone (slice_alignment.h).
 ///
 /// An empty slice is interpolated between its neighbours when there are at most `longestGap` in a
 /// row and the smaller of the two slices beside the gap has at least a tenth of the other's voxels
@@ -69,5 +88,12 @@ struct InterpolatedLabels {
 /// the grid would have more than 2e8 samples, or the cubes are too large for the label.
 InterpolatedLabels interpolateSlices(const LabelGrid& labels,
                                      const SliceInterpolationParameters& parameters = {});
+
+/// Its first step, with the errors but for those of the working grid.
+SliceStack cutOut(const LabelGrid& labels, const SliceInterpolationParameters& parameters);
+
+/// Its other steps, with these slices out of line.
+InterpolatedLabels interpolateSlices(SliceStack stack, const std::vector<UnevenSlice>& uneven,
+                                     const SliceInterpolationParameters& parameters);
 
 }  // namespace sphere_propagation

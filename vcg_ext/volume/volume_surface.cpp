@@ -138,14 +138,9 @@ std::vector<int> labelledSlices(const LabelStack& stack) {
   return slices;
 }
 
-}  // namespace
-
-WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
-                            const Progress& progress) {
-  requireRange("smoothing in working voxels", parameters.smoothing,
-               Range::between(0, VolumeSurfaceParameters::maxSmoothing));
+WorkingVolume workingVolumeOf(InterpolatedLabels field, const VolumeSurfaceParameters& parameters) {
   WorkingVolume volume;
-  volume.field = interpolateSlices(labels, parameters.interpolation);
+  volume.field = std::move(field);
   const ScalarGrid& grid = volume.field.grid;
   VolumeSurface& result = volume.surface;
   result.labelVolume = volume.field.labelVolume;
@@ -162,8 +157,30 @@ WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParamete
     if (result.dropped.parts > 0) result.lostSlices = lostSlicesOf(volume);
   }
   if (parameters.fillHoles) result.filledVoxels = fillCavities(mask);
+  return volume;
+}
+
+}  // namespace
+
+void requireSmoothing(const VolumeSurfaceParameters& parameters) {
+  requireRange("smoothing in working voxels", parameters.smoothing,
+               Range::between(0, VolumeSurfaceParameters::maxSmoothing));
+}
+
+WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters,
+                            const Progress& progress) {
+  requireSmoothing(parameters);
+  WorkingVolume volume =
+      workingVolumeOf(interpolateSlices(labels, parameters.interpolation), parameters);
   report(progress, 1);
   return volume;
+}
+
+WorkingVolume workingVolume(SliceStack stack, const std::vector<UnevenSlice>& uneven,
+                            const VolumeSurfaceParameters& parameters) {
+  requireSmoothing(parameters);
+  return workingVolumeOf(interpolateSlices(std::move(stack), uneven, parameters.interpolation),
+                         parameters);
 }
 
 void removeHandles(WorkingVolume& volume, const HandleRemoval& removal, HandleRepair repair) {

@@ -37,8 +37,12 @@ struct VolumeSurface {
   DroppedParts dropped;         ///< of the working grid
   std::vector<int> lostSlices;  ///< indices of slices at least half of which was dropped
   std::vector<UnevenSlice> unevenSlices;
-  std::vector<int> slices;                ///< indices of those with a label
-  RemovedHandles handles;                 ///< of the working grid
+  std::vector<int> apartSlices;  ///< indices of those that lie otherwise than in the other phases
+                                 ///< of the sequence (PhaseAlignment)
+  int sliceSequence = 0;         ///< as PhaseAlignment::sequence
+  double seconds = 0;            ///< that VolumeSequence spent on it, apart from `add`
+  std::vector<int> slices;       ///< indices of those with a label
+  RemovedHandles handles;        ///< of the working grid
   std::vector<HandlePlace> handlePlaces;  ///< groups of changed voxels, the largest first
 };
 
@@ -52,6 +56,13 @@ struct WorkingVolume {
 /// Steps 1 and 2 of volumeSurface. Throws what that throws.
 WorkingVolume workingVolume(const LabelGrid& labels, const VolumeSurfaceParameters& parameters = {},
                             const Progress& progress = {});
+
+/// Throws ParameterError when smoothing is out of range.
+void requireSmoothing(const VolumeSurfaceParameters& parameters);
+
+/// Steps 1 and 2 of slices that were cut out, these of them out of line.
+WorkingVolume workingVolume(SliceStack stack, const std::vector<UnevenSlice>& uneven,
+                            const VolumeSurfaceParameters& parameters);
 
 /// Removes handles from a phase and notes it.
 void removeHandles(WorkingVolume& volume, const HandleRemoval& removal, HandleRepair repair);
