@@ -46,8 +46,9 @@ constexpr double maxLoss = 0.1;
 constexpr double maxDifference = 0.05;
 constexpr double maxDropped = 0.01;
 
-/// Slices that lie so far off the line of those beside them are named, mm.
-constexpr double minUneven = 3;
+/// Slices that lie so far off the line of those beside them are named, mm: where several phases say
+/// so, and where one does, which bends may mislead.
+constexpr double minUneven = 3, minUnevenOfOne = 4;
 
 std::string millilitres(double cubicMillimetres) {
   char buffer[32];
@@ -259,7 +260,8 @@ class ImportFilter : public host::Filter {
       for (const int slice : surface.apartSlices) apart[slice].push_back(entry.phase);
       sequences[{entry.file, surface.sliceSequence}].push_back(entry.phase);
       if (isThin(surface)) thin.push_back({i, totalLoss(surface), surface.voxelSize});
-      warnOfSlices(remarks, entry.name, surface, parameters.interpolation.alignSlices, [&] {
+      const double least = entries.size() > 1 ? minUneven : minUnevenOfOne;
+      warnOfSlices(remarks, entry.name, surface, parameters.interpolation.alignSlices, least, [&] {
         if (std::exchange(triedToAlign, true)) return 0L;
         return trial.keptByAligning(i, surface);
       });
@@ -472,7 +474,7 @@ class ImportFilter : public host::Filter {
 
   /// keptByAligning: how many of the lost slices would be.
   static void warnOfSlices(SharedRemarks& remarks, const std::string& name,
-                           const VolumeSurface& surface, bool aligned,
+                           const VolumeSurface& surface, bool aligned, double least,
                            const std::function<long()>& keptByAligning) {
     if (!surface.lostSlices.empty()) {
       const long kept = aligned ? 0 : keptByAligning();
@@ -487,7 +489,7 @@ class ImportFilter : public host::Filter {
       uneven.erase(std::remove_if(uneven.begin(), uneven.end(),
                                   [&](const UnevenSlice& slice) {
                                     const auto& lost = surface.lostSlices;
-                                    return slice.shift < minUneven ||
+                                    return slice.shift < least ||
                                            std::find(lost.begin(), lost.end(), slice.slice) !=
                                                lost.end();
                                   }),

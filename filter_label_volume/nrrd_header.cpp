@@ -269,9 +269,10 @@ VolumeHeader readNrrdHeader(const std::string& name) {
   header.type = *type;
   placeNrrd(header, head, axes, spatial);
   const std::string encoding = lowerCase(head.at("encoding"));
+  if (encoding == "bzip2" || encoding == "bz2") refuse(volume_messages::packedByBzip2);
   compareWithData(
       header, head, name, head.firstOf({"data file", "datafile"}),
-      encoding == "gzip" || encoding == "gz" || encoding == "bzip2" || encoding == "bz2",
+      encoding == "gzip" || encoding == "gz",
       encoding == "ascii" || encoding == "text" || encoding == "txt" || encoding == "hex");
   return header;
 }

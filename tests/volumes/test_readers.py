@@ -2,6 +2,7 @@
 """No reader is believed: every space, unit, handedness, type and scaling that the formats have, of
 a body whose volume, middle and box are known from its voxels."""
 
+import bz2
 import gzip
 import itertools
 import json
@@ -446,6 +447,28 @@ def test_encodings_of_nrrd(tmp_path, encoding, encode, extra, inside):
     require_read(path, MATRIX)
 
 
+@pytest.mark.parametrize("word", ["bzip2", "BZ2"])
+def test_what_packs_nrrd_and_is_not_read(tmp_path, word):
+    for name, field in (("egg.nrrd", b""), ("egg.nhdr", b"data file: egg.bz2\n")):
+        written(tmp_path, "egg.bz2", bz2.compress(EGG.tobytes(order="F")))
+        header = files.nrrd_of(EGG, "space: RAS", DIRECTIONS, ORIGIN)[: -EGG.size]
+        data = header.replace(b"encoding: raw\n", f"encoding: {word}\n".encode() + field)
+        refused(written(tmp_path, name, data + bz2.compress(EGG.tobytes(order="F"))), "gzip")
+
+
+def test_fields_of_nrrd_that_do_not_move_it(tmp_path):
+    """A measurement frame is of vectors, thicknesses are of slices; centres without axis mins."""
+    for field in (
+        "measurement frame: (0,1,0) (1,0,0) (0,0,1)",
+        "thicknesses: nan nan 1",
+        "centers: node node node",
+        "kinds: space space space",
+        "old min: 0",
+    ):
+        data = files.nrrd_of(EGG, "space: RAS", DIRECTIONS, ORIGIN, field)
+        require_read(written(tmp_path, "egg.nrrd", data), MATRIX)
+
+
 # ---------------------------------------------------------------- MetaImage
 
 TURN = "TransformMatrix = 0 1 0 -1 0 0 0 0 1"
@@ -466,6 +489,7 @@ OFFSET = "Offset = -40 25 110"
         [TURN.replace("TransformMatrix", "Rotation"), SPACING, OFFSET],
         [TURN.replace("TransformMatrix", "Orientation"), SPACING, OFFSET],
         [TURN, SPACING, OFFSET, "CenterOfRotation = 5 6 7"],
+        [TURN, SPACING, OFFSET, "ElementNumberOfChannels = 1", "ElementSize = 9 9 9"],
         [TURN, SPACING, OFFSET, "AnatomicalOrientation = RAI"],
         [TURN, SPACING, OFFSET, "AnatomicalOrientation = LPS"],
         [TURN, SPACING, OFFSET, "AnatomicalOrientation = ???"],
