@@ -15,15 +15,9 @@ Propagation PublishedStrategy::propagate(const PropagationTask& task,
     layer.seconds = watch.seconds();
     return layer;
   });
-  if (task.closing) {
-    const auto from = static_cast<size_t>(task.closing->from),
-               to = static_cast<size_t>(task.closing->to);
-    result.closing =
-        differenceOf(propagateAsPublished(result.layers[from].map(),
-                                          task.sequence.surface(task.closing->to), parameters_)
-                         .map,
-                     result.layers[to].map());
-  }
+  result.closing = overClosingArc(task, result.layers, [&](const MappedSurface& from, int to) {
+    return propagateAsPublished(from, task.sequence.surface(to), parameters_).map;
+  });
   return result;
 }
 

@@ -67,16 +67,12 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
         there.seconds = watch.seconds();
         return there;
       });
-  if (task.closing) {
-    const auto from = static_cast<size_t>(task.closing->from),
-               to = static_cast<size_t>(task.closing->to);
-    result.closing =
-        followed.closing
-            ? differenceOf(followed.closing->carried, followed.closing->brought)
-            : differenceOf(
-                  fromParent(result.layers[from].map(), laid.surface(task.closing->to)).map(),
-                  result.layers[to].map());
-  }
+  if (followed.closing)  // what the fits say, nothing averaged
+    result.closing = differenceOf(followed.closing->carried, followed.closing->brought);
+  else
+    result.closing = overClosingArc(task, result.layers, [&](const MappedSurface& from, int to) {
+      return fromParent(from, laid.surface(to)).map();
+    });
   // The maps are of the layers as they lie, and so are lengths.
   for (int i = 0; i < task.sequence.size(); ++i) {
     const auto k = static_cast<size_t>(i);

@@ -40,4 +40,13 @@ std::vector<PropagatedLayer> overArcs(
   return layers;
 }
 
+std::optional<MapDifference> overClosingArc(
+    const PropagationTask& task, const std::vector<PropagatedLayer>& layers,
+    const std::function<MappedSurface(const MappedSurface& from, int to)>& carry) {
+  if (!task.closing) return std::nullopt;
+  const Arc& arc = *task.closing;
+  return differenceOf(carry(layers[static_cast<size_t>(arc.from)].map(), arc.to),
+                      layers[static_cast<size_t>(arc.to)].map());
+}
+
 }  // namespace sphere_propagation

@@ -73,4 +73,11 @@ std::vector<PropagatedLayer> overArcs(
     const PropagationTask& task, const Progress& progress,
     const std::function<PropagatedLayer(int i, const PropagatedLayer& parent)>& make);
 
+/// How the map that the closing arc of a task carries to its end differs from the one that is
+/// there; empty where there is no such arc. carry: the map of layer `to`, given that of the layer
+/// where the arc begins.
+std::optional<MapDifference> overClosingArc(
+    const PropagationTask& task, const std::vector<PropagatedLayer>& layers,
+    const std::function<MappedSurface(const MappedSurface& from, int to)>& carry);
+
 }  // namespace sphere_propagation
