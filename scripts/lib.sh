@@ -372,7 +372,9 @@ make_environment() {
     rm -rf "$wheels"
     mv -T "$wheels.part" "$wheels"
   fi
-  logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check install -q --no-index --find-links "$wheels" -r "$requirements" ||
+  # Modules are compiled when they are imported first: most never are.
+  logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check install -q --no-compile --no-index --find-links "$wheels" \
+    -r "$requirements" ||
     die "could not install the Python packages"
   # Without libOpenGL, PyMeshLab imports but lacks the plugin that opens PLY files.
   ! grep -q '^pymeshlab' "$requirements" || "$dir/bin/python" -c 'import pymeshlab, sys; sys.exit(pymeshlab.plugin_number() < 58)' ||
