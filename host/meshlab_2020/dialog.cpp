@@ -53,10 +53,15 @@ void fit(QDockWidget& dialog, QWidget& frame) {
   frame.layout()->activate();
   frame.setMinimumSize(frame.layout()->sizeHint());
   QWidget& content = *dialog.widget();
+  content.setMinimumSize(0, 0);
   content.layout()->invalidate();
   content.layout()->activate();
   content.adjustSize();
-  dialog.setMinimumSize(content.sizeHint());
+  // The help is wrapped: its height follows from the width, which a size hint guesses.
+  const QSize hint = content.sizeHint();
+  const int height = content.layout()->totalHeightForWidth(hint.width());
+  content.setMinimumSize(hint.width(), std::max(hint.height(), height));
+  dialog.setMinimumSize(content.minimumSize());  // and its title above that
   dialog.adjustSize();
   const QScreen* screen = QApplication::primaryScreen();
   if (!dialog.isFloating() || screen == nullptr) return;

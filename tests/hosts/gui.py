@@ -274,6 +274,17 @@ class MeshLab:
         wide, high = self.screen
         return max(-x, -y, x + width - wide, y + height - high, 0)
 
+    def hidden_below_buttons(self, button="Default"):
+        """The texts of the filter's dialog that reach below the upper edge of its buttons."""
+        shown = [w for w in self.widgets() if w["window"] == self._filter]
+        top = next(w["place"][1] for w in shown if w["text"] == button)
+        return [
+            w["text"]
+            for w in shown
+            if w["class"] in ("QCheckBox", "QLabel", "QLineEdit", "QComboBox")
+            and w["place"][1] < top < w["place"][1] + w["place"][3]
+        ]
+
     def _has_dialog(self, name):
         return any(
             w["text"] == "Apply" and w["window"] == name and w["enabled"] for w in self.widgets()

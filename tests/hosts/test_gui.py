@@ -135,12 +135,14 @@ def test_dialogs_fit_a_small_screen(meshlab, surfaces):
     with meshlab(*surfaces[:2], screen=(1280, 768)) as gui:
         opened(gui, 2)
         gui.fill_screen()
-        off = {}
+        off, hidden = {}, {}
         for name in FILTERS_WITH_DIALOG:
             gui.open_filter(name)
             gui.picture(name.replace(" ", "-"))
             off[name] = gui.button_off_screen()
+            hidden[name] = gui.hidden_below_buttons()
         assert off == dict.fromkeys(FILTERS_WITH_DIALOG, 0)
+        assert hidden == dict.fromkeys(FILTERS_WITH_DIALOG, [])
 
 
 def test_advanced_parameters_are_folded_away(meshlab, surfaces):
