@@ -42,6 +42,7 @@ FORMATS = ("svg", "pdf")  # of pictures; png is always there
 
 # Notes of the import that matter where label volumes are read one by one.
 FILE_BY_FILE = ("handlesElsewhere",)
+ALWAYS_NOTED = ("slicesAligned",)  # what was changed on request is reported
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,8 @@ def run_meshes(
     name = name or _name_of(meshes, paths)
     steps = progress(len(MESH_STEPS) + _picture_count(choices, [{gallery.MODEL}]))
     alone = sum(map(files.is_label_volume, paths)) < 2
-    with attention.collected() as said, attention.noting(*(() if alone else FILE_BY_FILE)):
+    notes = ALWAYS_NOTED if alone else (*ALWAYS_NOTED, *FILE_BY_FILE)
+    with attention.collected() as said, attention.noting(*notes):
         return _run_files(paths, folder, name, choices, steps, said)
 
 

@@ -26,6 +26,8 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
     pymeshlab = plugin.register()
     meshes = pymeshlab.MeshSet()
     for i, (surface, name) in enumerate(zip(surfaces, distinct_names(surfaces))):
+        if not len(surface.vertices):  # PyMeshLab's own words name no surface
+            raise InputError(f"{name} has no vertices.")
         sphere = maps.get(i) if maps else None
         if sphere is not None and len(sphere.positions) != len(surface.vertices):
             raise InputError(
@@ -91,6 +93,12 @@ def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
         if not type(error).__module__.startswith("pymeshlab"):
             raise
         text = re.sub(r"^\s*Failed to apply filter:[^\n]*\n?(Details:)?\s*", "", str(error)).strip()
+        unknown = re.match(r"Enum '(.*)' not found\. Possible values are (.*?);?\s*$", text)
+        if unknown:  # which names no parameter
+            value, choices = unknown.groups()
+            which = next((key for key in parameters if parameters[key] == value), "a choice")
+            choices = choices.replace("; ", ", ")
+            raise InputError(f"{which} must be one of {choices}, not {value!r}.") from error
         raise FilterError(name, text or str(error)) from error
     attention.pass_on(returned)
     return returned

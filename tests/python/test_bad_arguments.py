@@ -82,3 +82,15 @@ def test_a_models_shapes(value, job):
         lambda: model.along(0, value),
     ):
         assert only_this_packages_errors(call) is None
+
+
+def test_a_choice_that_is_none_is_named_with_its_parameter(job):
+    with pytest.raises(sp.InputError, match="lid must be one of 'Curved', 'Flat', not 'foo'"):
+        sp.prepare(job.surfaces[0], lid="foo")
+    with pytest.raises(sp.InputError, match="alignment must be one of .*, not 'foo'"):
+        sp.shape_model(job.landmarks, job.landmark_faces, alignment="foo")
+
+
+def test_a_surface_without_vertices_is_named():
+    with pytest.raises(sp.InputError, match="has no vertices"):
+        sp.prepare((np.zeros((0, 3)), np.zeros((0, 3), int)))

@@ -182,6 +182,17 @@ def off(surfaces, straight):
 THICK = np.diag([1.4, 1.4, 10, 1])
 
 
+@pytest.mark.filterwarnings("ignore::sphere_propagation.SpherePropagationWarning")
+def test_a_run_reports_the_slices_that_it_moves(tmp_path):
+    path, results = tmp_path / "scan.nii", tmp_path / "results"
+    path.write_bytes(volume_files.nifti(tubes([{6: 6}] * 3, 3), THICK))
+    words = ["run", path, "-o", results, "--align-slices", "--frequency", 2, "--no-pictures"]
+    assert command.main([*map(str, words)]) == 0
+    with open(results / "warnings.csv", newline="") as file:
+        (moved,) = [row for row in csv.DictReader(file) if row["message"] == "slicesAligned"]
+    assert "slice 8 by 8.4 mm" in moved["text"]  # 6 voxels of 1.4 mm
+
+
 def test_slices_are_moved_alike_in_all_phases(tmp_path):
     """In a 4D file and in a series of files."""
     moved = tubes([{6: 6}] * 3, 3)
@@ -302,7 +313,8 @@ def test_the_command_passes_on_what_its_advice_names(tmp_path, capsys):
     series = [*words, str(tmp_path / "spine_0.nii"), "--file-series", "--align-slices"]
     assert command.main([*series, "--handle-repair", "Fill", "--longest-gap", "3"]) == 0
     said = capsys.readouterr().err
-    assert said.count("handle filled") == 2 and "handle cut" not in said and "Note" not in said
+    assert said.count("handle filled") == 2 and "handle cut" not in said
+    assert "surfaces correspond there" not in said
     assert command.main([*words, str(tmp_path), "--file-series"]) == 2
     assert "error: --file-series reads" in capsys.readouterr().err
 
