@@ -37,11 +37,13 @@ TEST(SideBySide, NoBoxHidesAnother) {
       for (size_t i = 0; i < count; ++i) {
         EXPECT_TRUE(laid[i].sizes().isApprox(boxes[i].sizes()));
         for (size_t k = 0; k < i; ++k) EXPECT_FALSE(meetAsSeen(laid[i], laid[k])) << i << k;
-        if (!around.isEmpty()) EXPECT_GT(laid[i].min().x(), around.max().x());
-        // Reading order.
-        if (i > 0)
+        if (!around.isEmpty()) {
+          EXPECT_GT(laid[i].min().x(), around.max().x());
+        }
+        if (i > 0) {  // reading order
           EXPECT_TRUE(laid[i].center().x() > laid[i - 1].center().x() ||
                       laid[i].center().y() < laid[i - 1].center().y());
+        }
       }
     }
   }
