@@ -96,9 +96,9 @@ def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
         unknown = re.match(r"Enum '(.*)' not found\. Possible values are (.*?);?\s*$", text)
         if unknown:  # which names no parameter
             value, choices = unknown.groups()
-            which = next((key for key in parameters if parameters[key] == value), "a choice")
+            which = next((key for key in parameters if str(parameters[key]) == value), "a choice")
             choices = choices.replace("; ", ", ")
-            raise InputError(f"{which} must be one of {choices}, not {value!r}.") from error
+            text = f"{which} must be one of {choices}, not {value!r}."
         raise FilterError(name, text or str(error)) from error
     attention.pass_on(returned)
     return returned

@@ -85,9 +85,9 @@ def test_a_models_shapes(value, job):
 
 
 def test_a_choice_that_is_none_is_named_with_its_parameter(job):
-    with pytest.raises(sp.InputError, match="lid must be one of 'Curved', 'Flat', not 'foo'"):
+    with pytest.raises(sp.FilterError, match="lid must be one of 'Curved', 'Flat', not 'foo'"):
         sp.prepare(job.surfaces[0], lid="foo")
-    with pytest.raises(sp.InputError, match="alignment must be one of .*, not 'foo'"):
+    with pytest.raises(sp.FilterError, match="alignment must be one of .*, not 'foo'"):
         sp.shape_model(job.landmarks, job.landmark_faces, alignment="foo")
 
 
