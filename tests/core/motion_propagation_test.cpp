@@ -30,8 +30,12 @@ struct Contraction {
       surfaces.emplace_back(mesh.vertices, mesh.faces, "phase " + std::to_string(i));
     }
   }
-  FollowedMotion follow(const PropagationTree& tree, const std::optional<Arc>& closing = {}) const {
-    return followMotion(surfaces, MappedSurface(surfaces[0], maps[0]), tree, pool, {}, closing);
+  FollowedMotion follow(const PropagationTree& tree, const std::optional<Arc>& closing = {},
+                        bool smooths = MotionParameters().smooths) const {
+    MotionParameters parameters;
+    parameters.smooths = smooths;
+    return followMotion(surfaces, MappedSurface(surfaces[0], maps[0]), tree, pool, {}, closing,
+                        parameters);
   }
 };
 
@@ -89,6 +93,18 @@ TEST(MotionPropagation, GivesUpLayersThatItLosesButNotThoseBehind) {
   EXPECT_LT(
       (followed.layers[3]->transferred.map.positions() - sequence.maps[3]).rowwise().norm().mean(),
       0.03);
+}
+
+TEST(MotionPropagation, SmoothsChainsOnRequestAndNothingElse) {
+  const Contraction sequence(6);
+  const auto smoothed = [&](const PropagationTree& tree) {
+    return sequence.follow(tree, {}, true).smoothed;
+  };
+  EXPECT_EQ(smoothed(timeOrder(6, 0)), 5);
+  EXPECT_EQ(smoothed(timeOrder(6, 2)), 5);
+  EXPECT_EQ(smoothed(cyclicTimeOrder(6, 0)), 5);
+  EXPECT_EQ(smoothed(star(6, 0)), 0);
+  EXPECT_EQ(sequence.follow(timeOrder(6, 0)).smoothed, 0);
 }
 
 TEST(MotionPropagation, AveragesBothWaysRoundACycle) {

@@ -143,9 +143,8 @@ Eigen::VectorXd MotionBasis::withAffine(const Eigen::VectorXd& local, const Poin
   return sum;
 }
 
-Eigen::MatrixXd MotionBasis::roughInformation(const Points& directions,
-                                              const Eigen::VectorXd& weights) const {
-  RowsF rows(directions.rows(), columns);  // sqrt(w_i) B_i^T m_i
+RowsF MotionBasis::roughRows(const Points& directions, const Eigen::VectorXd& weights) const {
+  RowsF rows(directions.rows(), columns);
   Eigen::Matrix<double, affineColumns, 1> affine;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const Vector3 m = std::sqrt(weights[i]) * directions.row(i).transpose();
@@ -155,7 +154,12 @@ Eigen::MatrixXd MotionBasis::roughInformation(const Points& directions,
     projectAffine(i, m, affine.data());
     rows.row(i).tail<affineColumns>() = affine.cast<float>().transpose();
   }
-  return sumOfOuterProducts(rows).cast<double>();
+  return rows;
+}
+
+Eigen::MatrixXd MotionBasis::roughInformation(const Points& directions,
+                                              const Eigen::VectorXd& weights) const {
+  return sumOfOuterProducts(roughRows(directions, weights)).cast<double>();
 }
 
 }  // namespace sphere_propagation

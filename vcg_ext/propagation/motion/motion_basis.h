@@ -37,6 +37,8 @@ class MotionBasis {
   /// any data exceeds by far.
   Points roughDisplacements(const Eigen::VectorXd& c) const;
   Eigen::VectorXd roughProjectAll(const Points& forces) const;
+  /// sqrt(w_i) B_i^T m_i, one row a node: #N by `columns`. directions, weights: as below.
+  RowsF roughRows(const Points& directions, const Eigen::VectorXd& weights) const;
   /// The sum of w_i (B_i^T m_i) (B_i^T m_i)^T, in single precision: `columns` by `columns`.
   /// directions: m, #N by 3; weights: w, #N, none negative.
   Eigen::MatrixXd roughInformation(const Points& directions, const Eigen::VectorXd& weights) const;

@@ -37,6 +37,12 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
   return around;
 }
 
+bool agree(const MotionModel& model, const PreparedSurface& layer, const Eigen::VectorXd& a,
+           const Eigen::VectorXd& b) {
+  const Points apart = model.movedNodes(a - b) - model.nodes();
+  return apart.rowwise().norm().mean() <= maxEdgesApart * layer.meanEdge();
+}
+
 double forwardShare(int step, int layers) { return 0.75 - 0.5 * step / layers; }
 
 std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const Sequence& sequence,
@@ -47,11 +53,8 @@ std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const S
   const int layers = static_cast<int>(cycle.layers.size());
   for (int step = 1; step < layers; ++step) {
     const auto t = static_cast<size_t>(cycle.layers[static_cast<size_t>(step)]);
+    if (!agree(model, sequence[static_cast<int>(t)], otherWayRound[t], brought[t])) continue;
     const Eigen::VectorXd apart = otherWayRound[t] - brought[t];
-    const Points nodesApart = model.movedNodes(apart) - model.nodes();
-    if (!(nodesApart.rowwise().norm().mean() <=
-          maxEdgesApart * sequence[static_cast<int>(t)].meanEdge()))
-      continue;
     const double forward = forwardShare(step, layers);
     average[t] += (step <= cycle.forward ? 1 - forward : forward) * apart;
   }

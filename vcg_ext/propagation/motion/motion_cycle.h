@@ -31,6 +31,10 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
 /// which no chain is the freer of for being shorter.
 double forwardShare(int step, int layers);
 
+/// Whether two motions of the nodes onto a layer are at most maxEdgesApart apart, on average.
+bool agree(const MotionModel& model, const PreparedSurface& layer, const Eigen::VectorXd& a,
+           const Eigen::VectorXd& b);
+
 /// Averages the two where both are there and they agree (maxEdgesApart); elsewhere what the tree
 /// brought.
 std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const Sequence& sequence,

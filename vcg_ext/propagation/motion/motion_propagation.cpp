@@ -9,6 +9,7 @@
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/motion/motion_learning.h"
 #include "vcg_ext/propagation/motion/motion_model.h"
+#include "vcg_ext/propagation/motion/motion_smoothing.h"
 
 namespace sphere_propagation {
 namespace {
@@ -24,6 +25,32 @@ std::optional<TransferredMap> readMap(const MappedSurface& root, const std::vect
     // Too far from a map to be repaired: lost as well.
   }
   return std::nullopt;
+}
+
+/// Whether the tree is one chain through the root, as those of time are.
+bool isPath(const PropagationTree& tree) {
+  const std::vector<std::vector<int>> children = tree.children();
+  for (size_t t = 0; t < children.size(); ++t)
+    if (children[t].size() > (static_cast<int>(t) == tree.root() ? 2U : 1U)) return false;
+  return true;
+}
+
+/// The arcs between layers that the fit did not lose, the one that closes a cycle among them.
+std::vector<Arc> arcsOf(const PropagationTree& tree, const ClosedCycle& cycle,
+                        const std::vector<char>& lost) {
+  const auto nearest = [&](int layer) {
+    while (lost[static_cast<size_t>(layer)]) layer = tree.parent[static_cast<size_t>(layer)];
+    return layer;
+  };
+  std::vector<Arc> arcs;
+  for (int t : tree.order)
+    if (t != tree.root() && !lost[static_cast<size_t>(t)])
+      arcs.push_back({nearest(tree.parent[static_cast<size_t>(t)]), t});
+  if (cycle.layers.empty()) return arcs;
+  const size_t layers = cycle.layers.size(), end = static_cast<size_t>(cycle.forward);
+  const Arc closing{nearest(cycle.layers[end]), nearest(cycle.layers[(end + 1) % layers])};
+  if (closing.from != closing.to) arcs.push_back(closing);
+  return arcs;
 }
 
 }  // namespace
@@ -57,6 +84,17 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     around = fitOtherWayRound(model, sequence, cycle, fit, prior, pool);
     motion = averageOfBothWays(model, sequence, cycle, fit.coefficients, around);
   }
+  std::vector<char> smoothed(motion.size(), 0);
+  if (parameters.smooths && isPath(tree)) {
+    const SmoothedMotion all = smoothMotion(model, sequence, tree.root(),
+                                            arcsOf(tree, cycle, fit.lost), motion, prior, pool);
+    for (size_t t = 0; t < motion.size(); ++t) {
+      const Eigen::VectorXd& c = all.coefficients[t];
+      if (c == motion[t] || !agree(model, sequence[static_cast<int>(t)], c, motion[t])) continue;
+      motion[t] = c;
+      smoothed[t] = 1;
+    }
+  }
   const double share = fitting.seconds() / (sequence.size() - 1);
 
   const auto isThere = [&](int i) {
@@ -89,7 +127,7 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
       for (const auto& [from, to] : cycle.arcsBeyond(forwardBranch))
         if (isThere(from) && !isThere(to)) read(to, around[static_cast<size_t>(to)]);
   for (size_t i = 0; i < motion.size(); ++i)
-    followed.averaged += motion[i] != fit.coefficients[i] ? 1 : 0;
+    if (motion[i] != fit.coefficients[i]) ++(smoothed[i] ? followed.smoothed : followed.averaged);
   if (closing && isThere(closing->from) && isThere(closing->to)) {
     const auto from = static_cast<size_t>(closing->from), to = static_cast<size_t>(closing->to);
     const auto mapOf = [&](const Eigen::VectorXd& coefficients) {
