@@ -141,7 +141,7 @@ std::string describe(const VolumeSurface& s) {
 class ImportFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::MeshCreation | host::Menu::Layer, host::Arity::None);
+    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
@@ -278,6 +278,8 @@ class ImportFilter : public host::Filter {
       task.say(volume_messages::unknownReplaced, earlier.replacedUnknown());
     removeLeftOver(task, earlier);
     task.changes.makeFirstNewLayerCurrent();
+    task.say(volume_messages::surfacesImported, figures.size(),
+             skipped > 0 ? host::said(volume_messages::incompleteLeftOut, skipped) : std::string());
     return outputsOf(figures);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // "Colour by spherical parameterisation": the same place has the same colour on every layer.
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
 #include "host/remedies.h"
 #include "vcg_ext/display/sphere_pattern.h"
@@ -56,7 +58,8 @@ class ColorFilter : public host::Filter {
     if (pattern) parameters.pattern = *pattern;
     const bool storeRatio = !pattern || task.values.flag("store_area_ratio");
 
-    const std::vector<PlacedLayer> layers = placedLayers(task, task.values.flag("landmark_layers"));
+    const bool withLandmarks = task.values.flag("landmark_layers");
+    const std::vector<PlacedLayer> layers = placedLayers(task, withLandmarks);
     int colored = 0;
     for (size_t i = 0; i < layers.size(); ++i) {
       const auto& [layer, mesh, positions, source] = layers[i];
@@ -76,7 +79,13 @@ class ColorFilter : public host::Filter {
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(layers.size()));
     }
     if (colored == 0) throw host::Refusal(messages::spheresAlone);
-    task.log(counted(colored, "layer", "layers") + " coloured");
+    std::vector<host::LayerKind> kinds{host::LayerKind::Surface, host::LayerKind::Sphere};
+    if (withLandmarks) kinds.push_back(host::LayerKind::Landmarks);
+    const auto mapped = std::count_if(layers.begin(), layers.end(), [](const PlacedLayer& placed) {
+      return placed.layer.kind() == host::LayerKind::Surface;
+    });
+    task.say(messages::layersColoured, colored, hiddenLeftOut(task.layers, kinds),
+             nextFilter(task.layers, static_cast<size_t>(mapped)));
     return {{"layers", colored}};
   }
 

@@ -8,6 +8,7 @@
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
 
 namespace sphere_propagation {
@@ -51,6 +52,9 @@ class EvaluationFilter : public host::Filter {
       report(task.progress, static_cast<double>(i + 1) / static_cast<double>(count));
     }
     logSeveralRoots(task, layers);
+    const auto mapped = static_cast<size_t>(valid.sum());
+    task.say(messages::mapsEvaluated, task.layers.visible(host::LayerKind::Surface).size(), mapped,
+             hiddenLeftOut(task.layers, host::LayerKind::Surface), nextFilter(task.layers, mapped));
     host::Outputs outputs = {{"valid", valid}, {"degree", degree}, {"root", root}};
     figures.addTo(outputs);
     return outputs;

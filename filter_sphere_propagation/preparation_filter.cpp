@@ -8,6 +8,7 @@
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
+#include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/preparation/surface_preparation.h"
@@ -146,6 +147,41 @@ void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent&
   if (mesh.left) task.sayOf(layer, messageOfLeft(mesh, parameters), withoutName(*mesh.left));
 }
 
+/// Where the job stands, once these layers are prepared.
+class PreparationSummary {
+ public:
+  void add(const host::Layer& layer, const PreparedMesh& mesh) {
+    ids_.push_back(layer.id());
+    changed_ += mesh.changed;
+    closed_ += !mesh.left;
+    // A map does not outlive the mesh that it is of.
+    if (mesh.changed) remade_.push_back(layer.id());
+  }
+
+  void tell(const host::Task& task, bool allVisible) const {
+    const auto has = [](const std::vector<int>& ids, const host::Layer& layer) {
+      return std::find(ids.begin(), ids.end(), layer.id()) != ids.end();
+    };
+    size_t mapped = 0, others = 0;
+    for (const host::Layer& layer : task.layers.visible(host::LayerKind::Surface)) {
+      mapped += !has(remade_, layer) && layer.hasMap();
+      others += !has(ids_, layer);
+    }
+    std::string leftOut;
+    if (allVisible)
+      leftOut = hiddenLeftOut(task.layers, host::LayerKind::Surface);
+    else if (others > 0)
+      leftOut = host::said(messages::othersNotPrepared, others);
+    task.say(messages::surfacesPrepared, ids_.size(), changed_, closed_, leftOut,
+             closed_ < ids_.size() ? host::said(messages::nextIsInWarnings)
+                                   : nextFilter(task.layers, mapped));
+  }
+
+ private:
+  std::vector<int> ids_, remade_;
+  size_t changed_ = 0, closed_ = 0;
+};
+
 /// One number per layer, by the names that scripts read.
 class PreparationFigures {
  public:
@@ -230,10 +266,12 @@ class PreparationFilter : public host::Filter {
 
   host::Outputs run(host::Task& task) const override {
     const PreparationParameters parameters = preparationOf(task.values);
-    const std::vector<host::Layer> layers = task.values.flag("all_visible")
+    const bool allVisible = task.values.flag("all_visible");
+    const std::vector<host::Layer> layers = allVisible
                                                 ? task.layers.visibleSurfaces()
                                                 : std::vector<host::Layer>{task.layers.current()};
     PreparationFigures figures(layers.size());
+    PreparationSummary summary;
     for (size_t i = 0; i < layers.size(); ++i) {
       const Stopwatch clock;
       const MeshContent before = layers[i].content();
@@ -245,8 +283,10 @@ class PreparationFilter : public host::Filter {
                        part(task.progress, share(i), share(i + 1)));
       tellOf(task, layers[i], before, mesh, parameters);
       figures.set(i, mesh, before, clock.seconds());
+      summary.add(layers[i], mesh);
       if (mesh.changed) task.changes.remakeMesh(layers[i], before, remadeMesh(mesh));
     }
+    summary.tell(task, allVisible);
     return figures.outputs();
   }
 

@@ -7,6 +7,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
+#include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
@@ -82,6 +83,8 @@ class SphereLayersFilter : public host::Filter {
              (beside ? ", beside the surfaces"
                      : ", radius 1 at the origin: hide the surfaces to see them, or ask for them "
                        "beside the surfaces"));
+    task.say(messages::spheresMade, task.layers.visible(host::LayerKind::Surface).size(), made,
+             hiddenLeftOut(task.layers, host::LayerKind::Surface));
     return {{"layers", made}};
   }
 

@@ -8,11 +8,12 @@
 
 namespace sphere_propagation {
 
-std::string hiddenLeftOut(const host::Layers& layers, host::LayerKind kind) {
+std::string hiddenLeftOut(const host::Layers& layers, const std::vector<host::LayerKind>& kinds) {
   constexpr size_t maxNamed = 5;
   std::vector<std::string> hidden;
-  for (const host::Layer& layer : layers.all(kind))
-    if (!layer.visible()) hidden.push_back(layer.label());
+  for (const host::LayerKind kind : kinds)
+    for (const host::Layer& layer : layers.all(kind))
+      if (!layer.visible()) hidden.push_back(layer.label());
   if (hidden.empty()) return "";
   std::string names;
   for (size_t i = 0; i < std::min(hidden.size(), maxNamed); ++i)
@@ -20,6 +21,14 @@ std::string hiddenLeftOut(const host::Layers& layers, host::LayerKind kind) {
   if (hidden.size() > maxNamed)
     names += " and " + std::to_string(hidden.size() - maxNamed) + " more";
   return host::said(messages::hiddenLayers, names);
+}
+
+std::string nextFilter(const host::Layers& layers, size_t mapped) {
+  if (mapped == 0) return host::said(messages::nextIsRoot);
+  if (mapped < layers.visible(host::LayerKind::Surface).size())
+    return host::said(messages::nextIsPropagation);
+  return host::said(layers.visible(host::LayerKind::Landmarks).empty() ? messages::nextIsRemeshing
+                                                                       : messages::nextIsModel);
 }
 
 Eigen::AlignedBox3d shownBeside(const host::Layers& layers, host::LayerKind kind) {

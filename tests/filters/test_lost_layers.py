@@ -2,31 +2,24 @@
 """Layers that the motion fit loses: valid maps all the same, and a word about them in the log."""
 
 import re
-import subprocess
-import sys
 
+import filter_log
 import numpy as np
 import pymeshlab
 import pytest
-from environment import PLUGIN, files_of
+from environment import files_of
 
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 
-SCRIPT = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
+SCRIPT = """
 ms.apply_filter("create_ventricle_phantom", phases=3, voxel_size=4)
 ms.set_current_mesh(1)
 ms.apply_filter("compute_matrix_from_scaling_or_normalization", axisx=20, uniformflag=True)
 ms.set_current_mesh(0)
 """
 # What the fit cannot follow: the muscle among blood pools.
-LOST = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
+LOST = """
 ms.apply_filter("create_ventricle_phantom", phases=2, voxel_size=3)
 ms.apply_filter("create_ventricle_phantom", phases=1, voxel_size=3, part="Wall")
 ms.set_current_mesh(0)
@@ -34,10 +27,7 @@ ms.set_current_mesh(0)
 
 
 def log_of(script, before=SCRIPT):
-    run = subprocess.run(
-        [sys.executable, "-c", before + script], capture_output=True, text=True, check=True
-    )
-    return run.stdout + run.stderr
+    return filter_log.log_of(before + script)
 
 
 def test_the_log_says_which_layer_was_lost():

@@ -2,21 +2,17 @@
 """Maps that do not belong together: told apart by the root that they came from, named in the log,
 refused by the model."""
 
-import subprocess
-import sys
-
+import filter_log
 import numpy as np
 import pymeshlab
 import pytest
 from documents import (
     ATTRIBUTE,
-    COLOR,
     EVALUATE,
     MODEL,
     PROPAGATE,
     REMESH,
     ROOT,
-    SPHERES,
     add,
     digest,
     landmark_layers,
@@ -26,7 +22,6 @@ from documents import (
     refused,
     small_cycle,
 )
-from environment import PLUGIN
 
 MARK = "sphere_root"
 
@@ -49,15 +44,9 @@ def remap(ms, number, **parameters):
 
 
 def log_of(script, phases=3):
-    """What the filters say, after a cycle was mapped and propagated. `script` knows ms and the
-    filters' names."""
+    """What the filters say, after a cycle was mapped and propagated."""
     before = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ROOT, PROPAGATE, REMESH, MODEL = {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}
-EVALUATE, SPHERES, COLOR = {EVALUATE!r}, {SPHERES!r}, {COLOR!r}
-ms = pymeshlab.MeshSet(verbose=True)
-ms.apply_filter("create_ventricle_phantom", phases={phases}, voxel_size=4)
+ms.apply_filter(PHANTOM, phases={phases}, voxel_size=4)
 ms.apply_filter(ROOT)
 ms.apply_filter(PROPAGATE)
 ms.apply_filter(REMESH, frequency=4)
@@ -68,10 +57,7 @@ def delete(number):
     ms.set_current_mesh(number)
     ms.delete_current_mesh()
 """
-    run = subprocess.run(
-        [sys.executable, "-c", before + script], capture_output=True, text=True, check=True
-    )
-    return run.stdout + run.stderr
+    return filter_log.log_of(before + script)
 
 
 # ---------------------------------------------------------------- the number that stands for a root

@@ -2,9 +2,6 @@
 """A project over time: filters run again, files saved and loaded, layers of all kinds side by side,
 layers hidden."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pymeshlab
 import pytest
@@ -33,7 +30,7 @@ from documents import (
     snapshot,
     texture_positions,
 )
-from environment import PLUGIN
+from filter_log import log_of
 from scipy.spatial import cKDTree
 from surfaces import egg, open_egg
 
@@ -191,19 +188,14 @@ def test_landmarks_of_another_surface_are_not_replaced(tmp_path):
 
 
 def test_landmarks_that_are_there_twice_are_named():
-    script = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
-ms.apply_filter("create_ventricle_phantom", phases=2, voxel_size=4)
-for name in ({ROOT!r}, {PROPAGATE!r}, {REMESH!r}):
+    log = log_of("""
+ms.apply_filter(PHANTOM, phases=2, voxel_size=4)
+for name in (ROOT, PROPAGATE, REMESH):
     ms.apply_filter(name)
 ms.add_mesh(pymeshlab.Mesh(ms.mesh(2).vertex_matrix(), ms.mesh(2).face_matrix()), "a copy")
-print("shapes:", ms.apply_filter({MODEL!r})["shapes"])
-ms.apply_filter({REMESH!r})
-"""
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    log = run.stdout + run.stderr
+print("shapes:", ms.apply_filter(MODEL)["shapes"])
+ms.apply_filter(REMESH)
+""")
     assert "shapes: 3" in log
     assert (
         '"phantom cavity 00 landmarks" and "a copy" both hold landmarks of "phantom cavity 00", '
@@ -458,18 +450,12 @@ def test_other_filters_can_use_the_attributes_of_new_layers():
 
 
 def test_the_log_names_layer_figures_and_time():
-    script = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
-ms.apply_filter({PHANTOM!r}, phases=3, voxel_size=4)
-for name in {FILTERS[1:]!r}:
+    log = log_of("""
+ms.apply_filter(PHANTOM, phases=3, voxel_size=4)
+for name in FILTERS[1:]:
     ms.apply_filter(name)
-"""
-    log = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    ).stderr
-    lines = [line for line in log.splitlines() if line.startswith("LOG:")]
+""")
+    lines = [line.strip() for line in log.splitlines() if line.startswith("LOG:")]
     per_layer = [line for line in lines if "flipped face" in line]
     for t in range(3):
         of_layer = [line for line in per_layer if f"phantom cavity {t:02d}:" in line]

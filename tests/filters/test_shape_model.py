@@ -6,9 +6,6 @@ import csv
 import json
 import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import cycles
 import numpy as np
@@ -17,9 +14,7 @@ import pytest
 import pyvista
 from documents import (
     MODEL,
-    PROPAGATE,
     REMESH,
-    ROOT,
     add,
     content,
     labels,
@@ -30,7 +25,7 @@ from documents import (
     refused,
     snapshot,
 )
-from environment import PLUGIN
+from filter_log import log_of
 
 NAN = float("nan")
 
@@ -342,17 +337,11 @@ def test_landmarks_stay_as_they_are():
 
 
 def test_the_log_has_figures_and_legend():
-    script = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
-ms.apply_filter("create_ventricle_phantom", phases=4, voxel_size=4)
-for name in {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}:
+    log = log_of("""
+ms.apply_filter(PHANTOM, phases=4, voxel_size=4)
+for name in ROOT, PROPAGATE, REMESH, MODEL:
     ms.apply_filter(name)
-"""
-    log = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    ).stderr
+""")
     assert re.search(r"4 shapes of 1002 landmarks, aligned in \d+ rounds: 3 modes", log)
     assert re.search(
         r"mode 1: standard deviation [\d.]+ per landmark, [\d.]+ % of the variance", log
@@ -363,21 +352,13 @@ for name in {ROOT!r}, {PROPAGATE!r}, {REMESH!r}, {MODEL!r}:
 def model_log(shapes, faces, folder):
     """What the filter says of these landmark layers."""
     np.savez(folder / "shapes.npz", shapes=shapes, faces=faces)
-    script = f"""
-import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
-import numpy as np, pymeshlab
-from documents import add
-pymeshlab.load_plugin({str(PLUGIN)!r})
+    script = """
 given = np.load("shapes.npz")
-ms = pymeshlab.MeshSet(verbose=True)
 for k, points in enumerate(given["shapes"]):
-    add(ms, points, given["faces"], f"shape {{k:02d}}")
-ms.apply_filter({MODEL!r})
+    add(ms, points, given["faces"], f"shape {k:02d}")
+ms.apply_filter(MODEL)
 """
-    return subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=folder
-    ).stderr
+    return log_of(script, folder)
 
 
 def test_shapes_that_stand_out_are_named(tmp_path):

@@ -2,9 +2,6 @@
 """What is seen after a filter: where its layers are shown, which one is the current one, and how
 its log ends."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pymeshlab
 import pytest
@@ -21,7 +18,7 @@ from documents import (
     mapped_cycle,
     snapshot,
 )
-from environment import PLUGIN
+from filter_log import lines_of
 from surfaces import egg
 
 
@@ -217,28 +214,23 @@ def test_cells_are_chosen_by_the_coarsest_mesh():
 
 # ---------------------------------------------------------------- the end of the log
 
-SCRIPT = f"""
-import pymeshlab
-pymeshlab.load_plugin({str(PLUGIN)!r})
-ms = pymeshlab.MeshSet(verbose=True)
-ms.apply_filter("create_ventricle_phantom", phases=4, voxel_size=4)
+JOB = """
+ms.apply_filter(PHANTOM, phases=4, voxel_size=4)
 ms.set_current_mesh(1)
-ms.apply_filter({ROOT!r})
+ms.apply_filter(ROOT)
 ms.set_current_mesh(3)
 ms.set_current_mesh_visibility(False)
 ms.set_current_mesh(1)
-ms.apply_filter({PROPAGATE!r})
-ms.apply_filter({REMESH!r}, frequency=3)
+ms.apply_filter(PROPAGATE)
+ms.apply_filter(REMESH, frequency=3)
 ms.set_current_mesh(ms.mesh_number() - 1)
 ms.set_current_mesh_visibility(False)
-ms.apply_filter({MODEL!r}, modes=9)
+ms.apply_filter(MODEL, modes=9)
 """
 
 
 def test_the_log_ends_with_where_the_job_stands():
-    run = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
-    lines = [line.split(" ", 2)[2] for line in run.stderr.splitlines() if line.startswith("LOG: ")]
-    lines = [line.strip() for line in lines if not line.rstrip().endswith("% ]")]
+    lines = lines_of(JOB)
     ends = [
         lines.index(words)
         for words in (
@@ -255,3 +247,60 @@ def test_the_log_ends_with_where_the_job_stands():
     for end, words in ((ends[0], '"phantom cavity 00"'), (ends[1], '"phantom cavity 00"')):
         assert lines[end - 1].startswith("Note: ") and words in lines[end - 1]
     assert lines[ends[3] - 1] == "Note: there are no more than 1 mode."
+
+
+MAPPED = """
+ms.apply_filter(PHANTOM, phases=3, voxel_size=4)
+ms.apply_filter(ROOT)
+"""
+PROPAGATED = MAPPED + "ms.apply_filter(PROPAGATE)\n"
+HIDE_LAST = """
+ms.set_current_mesh(ms.mesh_number() - 1)
+ms.set_current_mesh_visibility(False)
+ms.set_current_mesh(0)
+"""
+OPEN = """
+from surfaces import open_egg
+for name in "a", "b", "c":
+    add(ms, *open_egg(), name)
+"""
+HIDDEN = '; hidden, left out: "phantom cavity 02"'
+SUMMARIES = {  # script: last line
+    OPEN + "ms.apply_filter(PREPARE)": '1 surface, 1 changed, 1 closed; "All visible surfaces" is '
+    "off, left out: 2 visible surfaces. Next: Spherical parameterise root.",
+    OPEN + HIDE_LAST + "ms.apply_filter(PREPARE, all_visible=True)": "2 surfaces, 2 changed, "
+    '2 closed; hidden, left out: "c". Next: Spherical parameterise root.',
+    OPEN + "ms.apply_filter(PREPARE, all_visible=True, close_openings=False)": "3 surfaces, "
+    "0 changed, 0 closed. Next: what the warnings advise.",
+    PROPAGATED + "ms.apply_filter(PREPARE, all_visible=True)": "3 surfaces, 0 changed, 3 closed. "
+    "Next: Remesh by icosphere.",
+    PROPAGATED + "add(ms, *__import__('surfaces').open_egg(), 'late'); ms.apply_filter(PREPARE)": (
+        '1 surface, 1 changed, 1 closed; "All visible surfaces" is off, left out: 3 visible '
+        "surfaces. Next: Propagate parameterisation to layers."
+    ),
+    MAPPED + "ms.apply_filter(EVALUATE)": "3 surfaces, 1 with a valid map. "
+    "Next: Propagate parameterisation to layers.",
+    PROPAGATED + HIDE_LAST + "ms.apply_filter(EVALUATE)": "2 surfaces, 2 with a valid map"
+    + HIDDEN
+    + ". Next: Remesh by icosphere.",
+    MAPPED + HIDE_LAST + "ms.apply_filter(SPHERES)": "2 surfaces, spheres of 1"
+    + HIDDEN
+    + ". Next: Colour by spherical parameterisation.",
+    PROPAGATED + HIDE_LAST + "ms.apply_filter(COLOR)": "2 layers coloured"
+    + HIDDEN
+    + ". Next: Remesh by icosphere.",
+    PROPAGATED + "ms.apply_filter(REMESH, frequency=3)" + HIDE_LAST + "ms.apply_filter(COLOR)": (
+        '5 layers coloured; hidden, left out: "phantom cavity 02 landmarks". '
+        "Next: Build statistical shape model."
+    ),
+    PROPAGATED
+    + "ms.apply_filter(REMESH, frequency=3)"
+    + HIDE_LAST
+    + "ms.apply_filter(COLOR, landmark_layers=False)": "3 layers coloured. "
+    "Next: Build statistical shape model.",
+}
+
+
+@pytest.mark.parametrize("script", SUMMARIES)
+def test_every_filter_ends_with_a_summary(script):
+    assert lines_of(script)[-1] == SUMMARIES[script]

@@ -12,6 +12,7 @@ import pytest
 import volume_files as files
 from documents import content, failed, snapshot
 from environment import DATA, require
+from filter_log import lines_of
 from scipy.spatial import cKDTree
 
 IMPORT = "create_layers_from_label_volume"
@@ -555,6 +556,17 @@ def test_a_phase_without_the_label_is_named_or_skipped(tmp_path):
     assert [m.label() for m in ms] == ["gap label 1 phase 00", "gap label 1 phase 02"]
     assert returned["phase"].tolist() == [0, 2]
     refused(path, "all were skipped", skip_incomplete_phases=True, labels="3")
+
+
+def test_the_log_ends_with_what_was_imported(tmp_path):
+    array = np.stack([files.egg(), np.zeros_like(files.egg()), files.egg()], -1)
+    written(tmp_path, "gap.nii", files.nifti(array))
+    script = f"ms.apply_filter({IMPORT!r}, file_name='gap.nii', skip_incomplete_phases=True)"
+    lines = lines_of(script, tmp_path)
+    assert lines[-1] == (
+        "2 surfaces imported, the first is the current layer; incomplete, left out: 1 phase. "
+        "Next: Spherical parameterise root."
+    )
 
 
 def test_a_single_volume_has_no_phases_to_skip(tmp_path):
