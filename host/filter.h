@@ -18,7 +18,8 @@
 
 namespace sphere_propagation::host {
 
-/// Where MeshLab's menu shows a filter; several at once.
+/// Where MeshLab's menu shows a filter; several at once. In an empty project MeshLab disables what
+/// is in any other menu than MeshCreation, so what makes the first layers is in no other.
 enum class Menu {
   Remeshing = 1,
   Layer = 2,

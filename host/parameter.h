@@ -38,7 +38,22 @@ struct Parameter {
   bool advanced = false;
   std::string note = {};  ///< a remark on this project, which the dialog shows with the label
 
-  std::string dialogLabel() const { return note.empty() ? label : label + "\n(" + note + ")"; }
+  /// The label with the remark, in lines that leave the dialog on a small screen.
+  std::string dialogLabel() const {
+    if (note.empty()) return label;
+    constexpr size_t width = 44;
+    std::string text = label + "\n(" + note + ")";
+    size_t begin = label.size() + 1, blank = begin;  // of the line, and its last blank
+    for (size_t i = begin; i < text.size(); ++i) {
+      if (i - begin > width && blank > begin) {
+        text[blank] = '\n';
+        begin = blank + 1;
+        blank = begin;
+      }
+      if (text[i] == ' ') blank = i;
+    }
+    return text;
+  }
 
   /// The same parameter, shown among the advanced ones.
   Parameter asAdvanced() && {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <sstream>
 
 namespace sphere_propagation::host {
 namespace {
@@ -49,6 +50,22 @@ TEST(Choice, RefusesWhatIsNotInTheList) {
       EXPECT_EQ(error.what(), "fruit is " + std::to_string(index) + ", but must be 0 to 1.");
     }
   }
+}
+
+TEST(DialogLabel, BreaksARemarkIntoShortLines) {
+  Parameter parameter{"root", "Root layer", "", false};
+  EXPECT_EQ(parameter.dialogLabel(), "Root layer");
+  parameter.note =
+      "layer 12 \"" + std::string(60, 'x') + "\" is the largest (volume 2.1e+05, this one 1.1e+05)";
+  const std::string label = parameter.dialogLabel();
+  EXPECT_EQ(label.rfind("Root layer\n(layer 12\n\"xxx", 0), 0u) << label;
+  std::string joined = label;
+  for (char& c : joined)
+    if (c == '\n') c = ' ';
+  EXPECT_EQ(joined, "Root layer (" + parameter.note + ")");
+  parameter.note = "layer 0 \"ventricle 0\" is the largest (volume 1.08e+05, this one 8.6e+04)";
+  std::istringstream lines(parameter.dialogLabel());
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 46u) << line;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
-from gui import FILTERS_WITH_DIALOG, GuiError, MeshLab, until
+from gui import CREATING, FILTERS_WITH_DIALOG, GuiError, MeshLab, until
 
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
 PICTURES = Path(os.environ["GUI_PICTURES"])
@@ -42,7 +42,8 @@ FILTERS = {  # menu entry -> menus that show it
     "Lay layers side by side": {"Mesh Layer"},
 }
 ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-2]
-LAYOUT = "Lay layers side by side"
+PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
+IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"
 PHASES = [f"ventricle {i}" for i in range(5)]
 
@@ -122,7 +123,16 @@ def test_every_filter_is_in_its_menus(start, sample):
                 found.setdefault(entry["text"], set()).add(entry["menu"])
         assert set(found) == set(FILTERS)
         assert {name: menus & found[name] for name, menus in FILTERS.items()} == FILTERS
-        assert all("Mesh Layer" in menus for menus in found.values())  # all stand together
+        for name, menus in found.items():  # they stand together
+            assert ("Mesh Layer" in menus) == (name not in CREATING), name
+
+
+def test_an_empty_project_can_be_filled(start):
+    with start() as gui:
+        enabled = {e["text"] for e in gui.menus() if e["enabled"]}
+        assert {name for name in CREATING if name == PHANTOM or IMPORTS} <= enabled
+        gui.apply(PHANTOM, Phases="2")
+        assert labels(gui) == ["phantom cavity 00", "phantom cavity 01"]
 
 
 def test_dialogs_fit_a_small_screen(start, sample):
@@ -130,13 +140,16 @@ def test_dialogs_fit_a_small_screen(start, sample):
     with start(sample, screen=(1280, 768)) as gui:
         gui.fill_screen()
         entries = {e["text"] for e in gui.menus()}
-        off = {}
+        off, clipped = {}, {}
         for name in entries & set(FILTERS_WITH_DIALOG):  # the volume plugin may be absent
             gui.open_filter(name)
+            gui.picture("dialog-" + name.replace(" ", "-"))
             off[name] = gui.button_off_screen()
+            clipped[name] = gui.clipped_texts()
             gui.close_dialog()
         assert set(FILTERS) - {EVALUATE, LAYOUT} <= set(off)
-        assert not any(off.values()), off
+        assert off == dict.fromkeys(off, 0)
+        assert clipped == dict.fromkeys(off, [])
 
 
 def test_the_main_job(start, sample):
@@ -224,7 +237,7 @@ def test_the_shape_model(start, sample):
 
 
 @pytest.mark.skipif(
-    not (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists(),
+    not IMPORTS,
     reason="built without the volume plugin",
 )
 def test_from_a_label_volume_to_a_model(start):

@@ -42,6 +42,8 @@ name=\\"MeshLab::System::sendAnonymousData\\" description=\\"\\" tooltip=\\"\\"/
 _HELP = [f.read_text() for f in sorted(Path(__file__).parents[2].glob("filter_*/help/*.html"))]
 _TITLES = {text: re.search("<title>(.*)</title>", text) for text in _HELP}
 FILTERS = [title.group(1) for title in _TITLES.values() if title]
+# What makes the first layers; in an empty project MeshLab disables what is in more menus than one.
+CREATING = ["Beating ventricle phantom", "Import label volume as layers"]
 FILTERS_WITH_DIALOG = [t.group(1) for text, t in _TITLES.items() if t and "<dl>" in text]
 
 
@@ -283,6 +285,12 @@ class MeshLab:
             for w in shown
             if w["class"] in ("QCheckBox", "QLabel", "QLineEdit", "QComboBox")
             and w["place"][1] < top < w["place"][1] + w["place"][3]
+        ]
+
+    def clipped_texts(self):
+        """The texts of the filter's dialog whose last lines have no room."""
+        return [
+            w["text"] for w in self.widgets() if w["window"] == self._filter and w.get("clipped")
         ]
 
     def _has_dialog(self, name):

@@ -87,6 +87,8 @@ QJsonObject describe(const QWidget* widget) {
                 {"window", titleAround(widget)}};
   const QPoint corner = widget->mapToGlobal(QPoint(0, 0));
   o["place"] = QJsonArray{corner.x(), corner.y(), widget->width(), widget->height()};
+  if (const auto* label = qobject_cast<const QLabel*>(widget))
+    o["clipped"] = label->wordWrap() && label->heightForWidth(label->width()) > label->height();
   if (const auto* button = qobject_cast<const QAbstractButton*>(widget))
     o["checked"] = button->isChecked();
   if (const auto* box = qobject_cast<const QComboBox*>(widget)) {

@@ -7,7 +7,7 @@ import shutil
 import documents
 import pymeshlab
 import pytest
-from gui import FILTERS, FILTERS_WITH_DIALOG, GuiError, until
+from gui import CREATING, FILTERS, FILTERS_WITH_DIALOG, GuiError, until
 
 ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, PHANTOM, MODEL, LAYOUT = (
     "Spherical parameterise root",
@@ -48,7 +48,7 @@ def test_the_whole_job(meshlab, surfaces):
             ("Quality Measure and Computations", EVALUATE),
             ("Mesh Layer", SPHERES),
             ("Create New Mesh Layer", PHANTOM),
-            *(("Mesh Layer", name) for name in FILTERS),  # all stand together
+            *(("Mesh Layer", name) for name in FILTERS if name not in CREATING),  # together
         ]:
             assert (menu, name) in menus
 
@@ -78,6 +78,15 @@ def test_the_whole_job(meshlab, surfaces):
         assert len(gui.layers()) == 9
         gui.run(EVALUATE)
         gui.picture("3-done")
+
+
+def test_an_empty_project_can_be_filled(meshlab):
+    with meshlab() as gui:
+        enabled = {e["text"] for e in gui.menus() if e["enabled"]}
+        assert set(CREATING) <= enabled
+        added = gui.apply(PHANTOM, Phases="2")
+        assert "Next: Spherical parameterise root." in added
+        assert names(gui) == ["phantom cavity 00", "phantom cavity 01"]
 
 
 def test_a_failure_is_shown_and_survived(meshlab, surfaces):
@@ -140,7 +149,7 @@ def test_dialogs_fit_a_small_screen(meshlab, surfaces):
             gui.open_filter(name)
             gui.picture(name.replace(" ", "-"))
             off[name] = gui.button_off_screen()
-            hidden[name] = gui.hidden_below_buttons()
+            hidden[name] = gui.hidden_below_buttons() + gui.clipped_texts()
         assert off == dict.fromkeys(FILTERS_WITH_DIALOG, 0)
         assert hidden == dict.fromkeys(FILTERS_WITH_DIALOG, [])
 
