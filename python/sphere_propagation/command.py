@@ -451,8 +451,11 @@ def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str],
     return convert
 
 
-def _choice(parameter: str, names: Dict[str, str]) -> Dict[str, Any]:
-    """Of an option that takes one of `names`, and their full names too, in any case."""
+def _choice(
+    parameter: str, names: Dict[str, str], words: str, default: str, *, fills: bool = True
+) -> Dict[str, Any]:
+    """Of an option that takes one of `names`, and their full names too, in any case. words: its
+    help, to which the default is added; fills: whether that is its value where it is not given."""
 
     def convert(text: str) -> str:
         value = in_full(parameter, text)
@@ -461,7 +464,13 @@ def _choice(parameter: str, names: Dict[str, str]) -> Dict[str, Any]:
             raise argparse.ArgumentTypeError(f"{text!r} is none of {words}")
         return value
 
-    return {"type": convert, "metavar": "{" + ",".join(map(_shell_word, names)) + "}"}
+    short = {full: name for name, full in names.items()}
+    return {
+        "type": convert,
+        "metavar": "{" + ",".join(map(_shell_word, names)) + "}",
+        "default": default if fills else None,
+        "help": f"{words} (default: {short.get(default, default)})",
+    }
 
 
 def _shell_word(name: str) -> str:
@@ -496,13 +505,12 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--method",
-        **_choice("method", METHODS),
-        default=DEFAULTS.method,
-        help="how a map gets to the next mesh (default: robust)",
+        **_choice("method", METHODS, "how a map gets to the next mesh", DEFAULTS.method),
     )
     who = action.add_mutually_exclusive_group()
     who.add_argument(
-        "--order", **_choice("order", ORDERS), help=f"who hands the map to whom (default: {order})"
+        "--order",
+        **_choice("order", ORDERS, "who hands the map to whom", order, fills=False),
     )
     who.add_argument(
         "--parents",
@@ -520,9 +528,7 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--initial-map",
-        **_choice("initial_map", MAPS),
-        default=DEFAULTS.initial_map,
-        help="where the root map starts (default: automatic)",
+        **_choice("initial_map", MAPS, "where the root map starts", DEFAULTS.initial_map),
     )
     add(
         "--area-weight",
@@ -558,8 +564,13 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--coordinates",
-        **_choice("coordinates", COORDINATES),
-        help=f"of a label volume's surfaces (default: {VOLUME_DEFAULTS['coordinates'].lower()})",
+        **_choice(
+            "coordinates",
+            COORDINATES,
+            "of a label volume's surfaces",
+            VOLUME_DEFAULTS["coordinates"],
+            fills=False,
+        ),
     )
     add(
         "--skip-incomplete-phases",
@@ -574,9 +585,13 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--handle-repair",
-        **_choice("handle_repair", REPAIRS),
-        help="of a label volume: how handles are removed (default: "
-        f"{VOLUME_DEFAULTS['handle_repair'].lower()})",
+        **_choice(
+            "handle_repair",
+            REPAIRS,
+            "of a label volume: how handles are removed",
+            VOLUME_DEFAULTS["handle_repair"],
+            fills=False,
+        ),
     )
     add(
         "--longest-gap",
@@ -587,10 +602,13 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
     )
     add(
         "--alignment",
-        **_choice("alignment", ALIGNMENTS),
-        default=filters.ALIGNMENTS[0],
-        help="what is taken out of the shapes before their model is built: pose and size, pose, "
-        "nothing (default: similarity)",
+        **_choice(
+            "alignment",
+            ALIGNMENTS,
+            "what is taken out of the shapes before their model is built: pose and size, pose, "
+            "nothing",
+            filters.ALIGNMENTS[0],
+        ),
     )
     add(
         "--export",

@@ -14,7 +14,7 @@ from .model import ShapeModel
 from .progress import Lines
 from .provenance import Provenance
 from .results import ResultFolder
-from .views import Row
+from .views import Row, chosen_phases
 
 PAGE = "report.html"
 
@@ -109,25 +109,28 @@ def _modes_caption(section: Section) -> str:
 
 def _volume_caption(section: Section) -> str:
     if section.true_volumes is None:
-        return f"What each {section.rows[0].noun}'s surface encloses."
+        return f"The volume that the surface of each {section.rows[0].noun} encloses."
     return (
-        "What the surfaces enclose. The dashed line is what is known of the phantom: the "
-        "difference comes from the slices."
+        "The volume that the surfaces enclose. The dashed line is the phantom's own volume: the "
+        "difference comes from the thick slices."
     )
 
 
 def _landmarks_caption(section: Section) -> str:
     row = section.rows[0]
+    count = len(row.result.surfaces)
+    shown = len(chosen_phases(count, pictures.COLUMNS, 2 if len(section.rows) == 1 else 1))
+    some = f"all {row.noun}s" if shown == count else f"{shown} of {count} {row.noun}s"
     return (
-        f"{row.result.landmarks.shape[1]} landmarks on some {row.noun}s. Landmark j has one colour "
-        "on all of them: it is the same place. The hue is the longitude on the sphere; the north "
+        f"{row.result.landmarks.shape[1]} landmarks on {some}. Landmark j has the same colour on "
+        "each of them and marks the same place. The hue is the longitude on the sphere; the north "
         "is light, the south dark, so that drift shows in any direction."
     )
 
 
 def _map_caption(section: Section) -> str:
     return (
-        "The surface that got the first map, the root, beside the sphere: every field takes the "
+        "The surface that got the first map, the root, beside the sphere: every field covers the "
         "same share of both. Flips are faces that lie upside down on the sphere, of which a valid "
         "map has none; the area ratio of a face is its share of the sphere over its share of the "
         "surface, and the standard deviation of that (root sd in the table) is 0 where areas are "
@@ -139,13 +142,13 @@ def _scores_caption(section: Section) -> str:
     row = section.rows[0]
     if not row.timed:
         return (
-            "Where each shape lies along the first modes, in standard deviations; and in the plane "
-            "of the first two, in which shapes that are alike lie together."
+            "Left: the scores of each shape along the first modes, in standard deviations. Right: "
+            "the plane of the first two, in which similar shapes lie close together."
         )
     back = " and the first follows the last" if row.result.order == "Cyclic time" else ""
     return (
-        "Where each phase lies along the first modes; and the way that the phases take through the "
-        f"plane of the first two: the colour is the phase{back}."
+        "Left: the scores of each phase along the first modes, in standard deviations. Right: the "
+        f"path of the phases in the plane of the first two; the colour is the phase{back}."
     )
 
 
@@ -163,8 +166,8 @@ DRAWINGS = (  # in their order on the page
         None,
         lambda section, paths: pictures.maps_on_surfaces(section.rows, paths),
         lambda section: (
-            "One checkerboard of the sphere, drawn on the surfaces through their maps. A field "
-            "that keeps its place on the organ shows that the maps correspond."
+            "One checkerboard of the sphere, drawn on the surfaces through their maps. Where these "
+            f"correspond, each field keeps its anatomical place on every {section.rows[0].noun}."
         ),
     ),
     Drawing(
@@ -181,8 +184,8 @@ DRAWINGS = (  # in their order on the page
         ERRORS,
         lambda section, paths: pictures.errors_over_phase(section.rows, section.errors, paths),
         lambda section: (
-            "How far the landmarks lie from the material points that they began on, phase by "
-            "phase: both methods."
+            "Mean distance of the landmarks from the material points that they marked on the root, "
+            "phase by phase, for both methods."
         ),
     ),
     Drawing(

@@ -132,7 +132,8 @@ def _run_files(
     """said: what was warned of since the run began, which grows."""
     surfaces, phases = [], None
     began = provenance(choices.command, {}, paths)
-    for path, called in zip(paths, files.names_of(paths)):
+    names = files.names_of(paths)
+    for path, called in zip(paths, names):
         steps.begin(f"reading {path.name}")
         if files.is_label_volume(path):
             volume = filters.read_label_volume(path, **choices.volume)
@@ -159,7 +160,7 @@ def _run_files(
             f"{paths[0]} gives one surface: landmarks that correspond take two or more. Give all "
             "meshes of the sequence, or their folder."
         )
-    where = paths[0].name + (f" to {paths[-1].name}" if len(paths) > 1 else "")
+    where = _where(paths, names)
     steps.done(
         f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
         f"{sum(len(surface.vertices) for surface in surfaces)} vertices"
@@ -180,6 +181,16 @@ def _run_files(
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
     made = began.saying(facts_of(result, choices))
     return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps, made)
+
+
+def _where(paths: Sequence[Path], names: Sequence[str]) -> str:
+    """From which files; names: what their surfaces are called."""
+    folders = len({path.parent for path in paths})
+    if len(paths) == 1:
+        return paths[0].name
+    if folders == 1:
+        return f"{paths[0].name} to {paths[-1].name}"
+    return f"{names[0]} to {names[-1]}, from {folders} folders"
 
 
 def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:

@@ -9,7 +9,17 @@ from typing import Optional, Sequence
 import numpy as np
 
 from .model import ShapeModel
-from .pictures import GREY, INK, PUBLISHED, ROBUST, Scene, matplotlib_pyplot, quiet_axes, save
+from .pictures import (
+    GREY,
+    INK,
+    PUBLISHED,
+    ROBUST,
+    Scene,
+    matplotlib_pyplot,
+    quiet_axes,
+    save,
+    soft_normals,
+)
 from .units import volume_unit
 from .views import Row, upright
 
@@ -79,14 +89,16 @@ def modes(
     rotation = upright(model.mean, up)
     seen = np.concatenate([model.mean, *shapes.values()]) @ rotation.T
     center, extent = (seen.min(0) + seen.max(0)) / 2, 0.53 * (seen.max(0) - seen.min(0))[:2]
-    scale = 210 / extent.max()
+    scale = 150 / extent.max()
     size = [max(2, round(2 * length * scale)) for length in extent]
-    scene = Scene(size[0] * len(shapes), size[1])
-    places = {key: (k * size[0], 0, *size) for k, key in enumerate(shapes)}
-    for key, shape in shapes.items():
-        panel = scene.panel(places[key], rotation, center, scale)
-        panel.surface(shape, model.faces, displacement_colors(moved[key], reach))
-    images = dict(zip(places, scene.parts(list(places.values()))))
+    gap = size[0] // 8  # between modes
+    across = shown * (3 * size[0] + gap) - gap
+    scene = Scene(across, size[1])
+    for k, (key, shape) in enumerate(shapes.items()):
+        place = (k * size[0] + k // 3 * gap, 0, *size)
+        panel = scene.panel(place, rotation, center, scale)
+        colors = displacement_colors(moved[key], reach)
+        panel.surface(shape, model.faces, colors, soft_normals(shape, model.faces))
 
     plt = matplotlib_pyplot()
     cells = 3 * max(shown, 1)
@@ -105,9 +117,15 @@ def modes(
         weight="bold",
         va="center",
     )
+    wide = (width - 0.2) / max(shown, 1) / width
+    if shown:
+        sheet = figure.add_axes(
+            [0.1 / width + 0.02 * wide, bottom / height, (shown - 0.04) * wide, picture / height]
+        )
+        sheet.imshow(scene.parts([(0, 0, across, size[1])])[0])
+        sheet.axis("off")
     for m in range(shown):
-        left = (0.1 + m * (width - 0.2) / shown) / width
-        wide = (width - 0.2) / shown / width
+        left = 0.1 / width + m * wide
         share = model.eigenvalues[m] / model.total_variance
         figure.text(
             left + wide / 2,
@@ -119,16 +137,6 @@ def modes(
             va="center",
         )
         for k, sign in enumerate((-1, 0, 1)):
-            axis = figure.add_axes(
-                [
-                    left + 0.02 * wide + k * 0.32 * wide,
-                    bottom / height,
-                    0.32 * wide,
-                    picture / height,
-                ]
-            )
-            axis.imshow(images[m, sign])
-            axis.axis("off")
             words = "mean" if sign == 0 else f"{MINUS if sign < 0 else '+'}{deviations:g} sd"
             figure.text(
                 left + 0.02 * wide + (k + 0.5) * 0.32 * wide,
@@ -252,16 +260,6 @@ def _scores_of_phases(row: Row, units, labels, names, path) -> None:
             edgecolors="white",
             linewidths=0.8,
         )
-        step = max(1, len(phases) // 6)
-        for i in range(0, len(phases) - step // 2, step):
-            axis.annotate(
-                str(phases[i]),
-                units[i, :2],
-                textcoords="offset points",
-                xytext=(7, 5),
-                fontsize=10,
-                color=INK,
-            )
         _titles(axis, "The way through the first two modes", *PLANE)
         axis.margins(0.12)
         quiet_axes(axis, both=True)
@@ -271,6 +269,10 @@ def _scores_of_phases(row: Row, units, labels, names, path) -> None:
         key.ax.tick_params(colors=GREY, length=0)
         key.outline.set_visible(False)
     figure.tight_layout(w_pad=2.5)
+    for axis in rest:
+        step = max(1, len(phases) // 6)
+        named = range(0, len(phases) - step // 2, step)
+        _name_points(axis, units[:, :2], [str(phase) for phase in phases], named, 10)
     save(figure, path)
 
 
@@ -313,22 +315,49 @@ def _scores_of_shapes(row: Row, units, labels, names, path) -> None:
         axis.scatter(
             units[:, 0], units[:, 1], color=ROBUST, s=40, zorder=2, edgecolors="white", lw=0.8
         )
-        # Where there is no room for all names, those that stand out.
-        far = np.argsort(-np.hypot(units[:, 0], units[:, 1]))[: len(names) if few else 8]
-        for i in far:
-            axis.annotate(
-                names[i],
-                units[i, :2],
-                textcoords="offset points",
-                xytext=(6, 4),
-                fontsize=9,
-                color=INK,
-            )
         _titles(axis, "The shapes in the first two modes", *PLANE)
         axis.margins(0.16)
         quiet_axes(axis, both=True)
     figure.tight_layout(w_pad=2.5, rect=(0, 0.35 / height, 1, 1))
+    for axis in rest:
+        # Those that stand out come first; of many shapes they are the only ones.
+        far = np.argsort(-np.hypot(units[:, 0], units[:, 1]))[: len(names) if few else 8]
+        _name_points(axis, units[:, :2], names, far, 9)
     save(figure, path)
+
+
+def _name_points(axis, points: np.ndarray, names: Sequence[str], order, size: float) -> None:
+    """Names beside points, the first of `order` first: right or left of its point, above or below,
+    where a name overlaps no other and hides as few points as can be. One that has no such place
+    inside the axis is left out. The axis has its final size by then."""
+    renderer, unit = axis.figure.canvas.get_renderer(), axis.figure.dpi / 72
+    frame, at, taken = axis.get_window_extent(renderer), axis.transData.transform(points), []
+    for i in order:
+        text = axis.annotate(names[i], points[i], textcoords="offset points", fontsize=size)
+        extent = text.get_window_extent(renderer)
+        places = []
+        for right, above in ((1, 1), (0, 1), (1, 0), (0, 0)):
+            offset = np.array([6 if right else -6, 4 if above else -4])
+            low = at[i] + unit * offset - [(1 - right) * extent.width, (1 - above) * extent.height]
+            high = low + [extent.width, extent.height]
+            if (low < frame.min).any() or (high > frame.max).any():
+                continue
+            if any((low < other[1]).all() and (other[0] < high).all() for other in taken):
+                continue
+            hidden = ((at > low - 3 * unit) & (at < high + 3 * unit)).all(1)
+            hidden[i] = False
+            places.append((int(hidden.sum()), len(places), offset, (low, high)))
+        if not places:
+            text.remove()
+            continue
+        _, _, offset, box = min(places, key=lambda place: place[:2])
+        taken.append(box)
+        text.set(
+            position=offset,
+            color=INK,
+            ha="left" if offset[0] > 0 else "right",
+            va="bottom" if offset[1] > 0 else "top",
+        )
 
 
 def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:

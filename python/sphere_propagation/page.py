@@ -106,6 +106,34 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
     )
 
 
+WORDS_OF_LAYERS = (
+    (
+        "area ratio sd",
+        "of the layer's own map: only the root's map preserves areas, the others follow "
+        "the correspondence",
+    ),
+    ("angle error", "mean difference of the faces' angles on the sphere and on the surface"),
+    (
+        "landmark mesh to surface",
+        "mean distance of points of the landmarks' mesh from the surface: what so many landmarks "
+        "leave out",
+    ),
+    ("s", "seconds that the layer's map took"),
+)  # of layer_table, beside those of the summary
+WORDS_OF_MODELS = (
+    (
+        "eigenvalue",
+        "variance of the mode, summed over all landmarks; the share of the variance is that of all "
+        "modes up to this one",
+    ),
+    (
+        "generalisation",
+        "distance of a shape that was left out from its best approximation by the others' model",
+    ),
+    ("specificity", "distance of random shapes of the model from the nearest given one"),
+)
+
+
 def summary_table(runs: Sequence[report.Run]) -> Table:
     """One row per run."""
     header, *rows = report.summary_rows(runs)
@@ -165,6 +193,7 @@ def layer_table(run: report.Run) -> Table:
         [words for _, words in columns],
         cells,
         folded=True,
+        key=WORDS_OF_LAYERS,
     )
 
 
@@ -195,6 +224,7 @@ def model_table(model: ShapeModel, unit: str, max_modes: int = 10) -> Table:
         ],
         rows,
         words=0,
+        key=WORDS_OF_MODELS,
     )
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+import zlib
 from functools import lru_cache
 from importlib.util import find_spec
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -20,6 +21,7 @@ import numpy as np
 from .colors import map_colors, place_colors, sphere_coordinates
 from .correspondence import Correspondence
 from .filters import landmark_places
+from .surface import Surface
 from .views import Row, chosen_phases, sphere_rotation, upright
 
 if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
@@ -27,6 +29,10 @@ if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 WIDTH, MAX_HEIGHT = 1600, 640  # pixels: of a picture, of one surface in it
+COLUMNS = 6  # of surfaces in a picture
+# Pictures are rendered so many times as wide and high, and reduced: without a graphics card that
+# takes half the time of the renderer's own anti-aliasing.
+FINER = 2
 Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
 NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
 INK, GREY = "#1c2530", "#5b6570"
@@ -52,14 +58,13 @@ def what_is_missing() -> str:
 # ---------------------------------------------------------------- the pictures
 
 
-def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
+def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = COLUMNS) -> None:
     """The landmarks of some surfaces: same colour, same landmark (figure 2 of the paper)."""
 
     def draw(panel, result, i):
         surface, points, faces = result.surfaces[i], result.landmarks[i], result.landmark_faces
-        panel.surface(
-            surface.vertices, surface.faces, np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95])
-        )
+        grey = np.full((len(surface.vertices), 3), [0.93, 0.93, 0.95])
+        panel.surface(surface.vertices, surface.faces, grey, _normals_of(surface))
         panel.balls(points, colors_of_landmarks(result), 0.27 * _spacing(result), faces)
 
     count = rows[0].result.landmarks.shape[1]
@@ -73,13 +78,13 @@ def landmarks_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
     )
 
 
-def maps_on_surfaces(rows: Sequence[Row], path, columns: int = 6) -> None:
+def maps_on_surfaces(rows: Sequence[Row], path, columns: int = COLUMNS) -> None:
     """One checkerboard of the sphere, drawn on some surfaces through their maps: same field, same
     place."""
 
     def draw(panel, result, i):
-        surface = result.surfaces[i]
-        panel.checkerboard(surface.vertices, surface.faces, result.maps[i].positions)
+        surface, positions = result.surfaces[i], result.maps[i].positions
+        panel.checkerboard(surface.vertices, surface.faces, positions, _normals_of(surface))
 
     _surfaces(
         rows,
@@ -101,18 +106,21 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
         rotation = upright(surface.vertices, row.up)
         seen = surface.vertices @ rotation.T
         center = (seen.min(0) + seen.max(0)) / 2
-        turned = positions @ sphere_rotation(seen, positions).T
         half = np.abs(seen - center)[:, :2].max()
-        for vertices, extent in ((seen - center, half), (turned, 1.0)):
+        turn = sphere_rotation(seen, positions)
+        for vertices, normals, way, middle, extent in (
+            (surface.vertices, _normals_of(surface), rotation, center, half),
+            (positions, positions, turn, np.zeros(3), 1.0),
+        ):
             places.append((size * len(places), 0, size, size))
-            panel = scene.panel(places[-1], np.eye(3), np.zeros(3), size / (2.12 * extent))
-            panel.checkerboard(vertices, surface.faces, positions, spherical=vertices is turned)
+            panel = scene.panel(places[-1], way, middle, size / (2.12 * extent))
+            panel.checkerboard(vertices, surface.faces, positions, normals)
     captions = []
     for row in rows:
         figures, root = row.result.figures, row.result.root
-        whose = f"{row.title}, " if len(rows) > 1 else ""
+        surface = row.result.surfaces[root]
         captions += [
-            f"{whose}{len(row.result.surfaces[root].faces)} triangles",
+            f"{row.title if len(rows) > 1 else surface.name}, {len(surface.faces)} triangles",
             f"{figures['flipped_faces'][root]:.0f} flips, area ratio sd "
             f"{figures['area_ratio_sd'][root]:.4f}",
         ]
@@ -170,8 +178,10 @@ def _surfaces(rows, path, columns, draw, title, key=False):
     for row in rows:
         root = row.result.surfaces[row.result.root]
         rotation = upright(root.vertices, row.up)
-        seen = np.concatenate([surface.vertices for surface in row.result.surfaces]) @ rotation.T
-        low, high = seen.min(0), seen.max(0)
+        # A row per direction: numpy is slow along the short axis of an array.
+        seen = [rotation @ surface.vertices.T for surface in row.result.surfaces]
+        low = np.min([points.min(1) for points in seen], 0)
+        high = np.max([points.max(1) for points in seen], 0)
         frames.append(
             (rotation, (low + high) / 2, (high - low)[:2] / 2 + 0.6 * _spacing(row.result))
         )
@@ -227,6 +237,9 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
         weight="bold",
         va="center",
     )
+    # All images as one: an axis for each would cost more than they do.
+    page = np.full((height, width, 3), 255, np.uint8)
+    sheet = figure.add_axes([0, 0, 1, 1])
     top = header
     for i, (row, words) in enumerate(zip(panels, captions)):
         y = top
@@ -236,13 +249,13 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
         x = margin
         for image, caption in zip(row, words):
             h, w = image.shape[:2]
-            axis = figure.add_axes([x / width, 1 - (y + h) / height, w / width, h / height])
-            axis.imshow(image, interpolation="none", aspect="auto")
-            axis.axis("off")
+            page[y : y + h, x : x + w] = image
             size = min(27, 1.6 * (w + gap) / max(len(caption), 1))
             text(x + w / 2, y + h + line / 2, caption, size, color=GREY, ha="center", va="center")
             x += w + gap
         top += heights[i] + gap
+    sheet.imshow(page, interpolation="none", aspect="auto")
+    sheet.axis("off")
     if key:
         bar = figure.add_axes([0.34, 60 / height, 0.32, 56 / height])
         longitude, latitude = np.linspace(0, 1, 400), np.linspace(1, -1, 60)
@@ -281,8 +294,8 @@ def matplotlib_pyplot():
 def save(figure, paths) -> None:
     """Writes a figure to a file, or to several; the endings choose the formats (png, svg, pdf)."""
     for path in [paths] if isinstance(paths, (str, os.PathLike)) else paths:
-        # Quickly: the highest compression would take as long as drawing, for a tenth of the size.
-        quick = {"pil_kwargs": {"compress_level": 3}} if str(path).endswith(".png") else {}
+        # Quickly: the usual compression would take as long as drawing, for a tenth of the size.
+        quick = {"pil_kwargs": {"compress_type": zlib.Z_RLE}} if str(path).endswith(".png") else {}
         figure.savefig(path, facecolor="white", **quick)
     matplotlib_pyplot().close(figure)
 
@@ -322,10 +335,11 @@ class Scene:
 
     def _render(self) -> np.ndarray:
         import pyvista
+        from PIL import Image
 
         plotter = _plotter()
         plotter.clear_actors()
-        plotter.window_size = [self.width, self.height]
+        plotter.window_size = [FINER * self.width, FINER * self.height]
         # As few actors as there are kinds: each costs time, whatever is in it.
         for kind in dict.fromkeys(mesh.kind for mesh in self.meshes):
             points, faces, normals, values = _joined([m for m in self.meshes if m.kind == kind])
@@ -356,7 +370,7 @@ class Scene:
         plotter.render()
         picture = plotter.screenshot(None, return_img=True)
         plotter.clear_actors()
-        return picture
+        return np.asarray(Image.fromarray(picture).reduce(FINER))
 
 
 @lru_cache(maxsize=1)
@@ -380,7 +394,8 @@ def _plotter():
                 light_type="scene light",
             )
         )
-    plotter.enable_anti_aliasing("msaa", multi_samples=4)
+    plotter.disable_anti_aliasing()
+    plotter.render_window.SetMultiSamples(0)
     plotter.screenshot(None, return_img=True)  # sets it up
     return plotter
 
@@ -420,16 +435,15 @@ class Panel(NamedTuple):
     center: np.ndarray
     scale: float
 
-    def surface(self, vertices, faces, colors) -> None:
-        """With colours per vertex."""
+    def surface(self, vertices, faces, colors, normals) -> None:
+        """With colours and normals per vertex."""
         seen = vertices @ self.rotation.T - self.center
-        self._add(_Kind(), seen, faces, _soft_normals(seen, faces), _bytes(colors))
+        self._add(_Kind(), seen, faces, normals @ self.rotation.T, _bytes(colors))
 
-    def checkerboard(self, vertices, faces, positions, spherical=False) -> None:
-        """A surface with its map's latitudes and longitudes. spherical: the surface is the sphere
-        itself."""
+    def checkerboard(self, vertices, faces, positions, normals) -> None:
+        """A surface, or the sphere itself, with its map's latitudes and longitudes."""
         seen = vertices @ self.rotation.T - self.center
-        normals = seen if spherical else _soft_normals(seen, faces)
+        normals = normals @ self.rotation.T
         # Longitudes make no sense at the poles: caps have charts of their own. Each triangle gets
         # corners of its own, since longitudes jump at the date line.
         height = positions[faces].mean(1)[:, 2]
@@ -447,7 +461,7 @@ class Panel(NamedTuple):
     def balls(self, centers, colors, radius, faces) -> None:
         """One around each vertex of a closed surface."""
         seen = centers @ self.rotation.T - self.center
-        front = _soft_normals(seen, faces)[:, 2] > -0.4  # the others lie behind it
+        front = soft_normals(seen, faces)[:, 2] > -0.4  # the others lie behind it
         seen, colors = seen[front], colors[front]
         ball, faces = _ball()
         count = len(seen)
@@ -506,32 +520,41 @@ def _texture(chart: str):
         latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
         colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))
     texture = pyvista.Texture(colors)
-    texture.interpolate, texture.mipmap = True, True
+    texture.interpolate = True  # and no mipmap: fields are larger in pictures than here
     return texture
 
 
 @lru_cache(maxsize=1)
-def _ball():
-    """Vertices on the unit sphere, and faces."""
-    import pyvista
-
-    ball = pyvista.Icosphere(nsub=1)
-    return np.asarray(ball.points, float), ball.faces.reshape(-1, 4)[:, 1:]
+def _ball(corners: int = 10):
+    """What is seen of a unit ball from above, roughly: its top and its rim, which are its normals
+    as well, so that it is shaded as a ball."""
+    angle = 2 * np.pi / corners * np.arange(corners)
+    rim = np.c_[np.cos(angle), np.sin(angle), np.zeros(corners)]
+    ring = np.arange(corners)
+    faces = np.c_[np.zeros(corners, int), 1 + ring, 1 + (ring + 1) % corners]
+    return np.r_[[[0.0, 0.0, 1.0]], rim], faces
 
 
 def _bytes(colors):
     return np.round(255 * np.clip(colors, 0, 1)).astype(np.uint8)
 
 
-def _soft_normals(vertices, faces, rounds=3):
+@lru_cache(maxsize=64)
+def _normals_of(surface: Surface) -> np.ndarray:
+    """Of a surface that is in several pictures."""
+    return soft_normals(surface.vertices, surface.faces)
+
+
+def soft_normals(vertices, faces, rounds=3) -> np.ndarray:
     """Vertex normals, averaged over neighbours so that the steps of voxels do not show."""
-    a = vertices[faces]
-    face = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
+    a, b, c = faces.T
+    face = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
     for _ in range(rounds + 1):
-        sums = np.stack(
-            [np.bincount(faces.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)],
-            1,
-        )
-        normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
-        face = normals[faces].mean(1)
+        sums = [
+            np.bincount(faces.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)
+        ]
+        normals = np.stack(sums, 1)
+        lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+        normals /= np.maximum(lengths, 1e-300)[:, None]
+        face = normals[a] + normals[b] + normals[c]
     return normals

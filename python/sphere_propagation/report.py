@@ -185,10 +185,14 @@ SUMMARY_WORDS = (
     ),
     (
         "residual",
-        "mean distance of the surfaces' vertices from the root as it was brought onto them: how "
-        "closely it fits, not how rightly",
+        "mean distance of the surfaces' vertices from the root's surface as it was deformed to fit "
+        "them: it measures the fit, not the correspondence",
     ),
-    ("error", "mean distance of the landmarks from the material points that they began on"),
+    (
+        "error",
+        "distance of the landmarks from the material points that they marked on the root, the mean "
+        "over each layer",
+    ),
 )  # of summary_rows, as captions have them
 
 

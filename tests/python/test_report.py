@@ -190,6 +190,39 @@ def test_phases_have_a_key_to_their_colours(cycle, model, tmp_path, monkeypatch)
     assert not Row("heart", replace(cycle, order="Given")).timed
 
 
+def test_names_beside_points_do_not_overlap():
+    plt = pictures.matplotlib_pyplot()
+    generator = np.random.default_rng(3)
+    for count, spread in ((10, 1.0), (40, 1.0), (40, 0.02), (1, 1.0)):
+        points = spread * generator.normal(size=(count, 2))
+        names = [f"specimen number {k}" for k in range(count)]
+        figure, axis = plt.subplots(figsize=(6, 5))
+        axis.scatter(*points.T)
+        axis.margins(0.16)
+        figure.tight_layout()
+        far = np.argsort(-np.hypot(*points.T))
+        model_pictures._name_points(axis, points, names, far, 9)
+        figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in axis.texts]
+        assert names[far[0]] in [text.get_text() for text in axis.texts]
+        assert len(boxes) >= min(count, 8)
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[:k])
+            assert axis.bbox.x0 <= box.x0 and box.x1 <= axis.bbox.x1
+        plt.close(figure)
+
+
+def test_files_of_two_folders_are_no_range_of_one(cycle, tmp_path, capsys):
+    for name in ("p1", "p2"):
+        (tmp_path / "in" / name).mkdir(parents=True)
+        for k, surface in enumerate(cycle.surfaces[:2]):
+            sp.write_ply(tmp_path / f"in/{name}/0{k}.ply", surface.vertices, surface.faces)
+    assert run("run", tmp_path / "in", "-o", tmp_path / "out", *QUICKLY) == 0
+    where = "p1_00 to p2_01, from 2 folders"
+    said = capsys.readouterr()
+    assert where in said.out + said.err and where in (tmp_path / "out/report.html").read_text()
+
+
 def test_many_shapes_have_histograms(cycle, tmp_path):
     count = 60
     generator = np.random.default_rng(0)
@@ -229,7 +262,7 @@ def test_the_checkerboard_shows_the_maps_own_places(cycle, tmp_path):
         scene = pictures.Scene(size, size)
         panel = scene.panel((0, 0, size, size), rotation, np.zeros(3), 180)
         positions = cycle.maps[0].positions
-        panel.checkerboard(positions, surface.faces, positions, spherical=True)
+        panel.checkerboard(positions, surface.faces, positions, normals=positions)
         image = scene.parts([(0, 0, size, size)])[0].astype(float)
         x, y = (grid.ravel() for grid in np.meshgrid(*2 * [np.linspace(-0.6, 0.6, 61)]))
         seen = np.c_[x, y, np.sqrt(1 - x**2 - y**2)] @ rotation
