@@ -219,12 +219,9 @@ class ImportFilter : public host::Filter {
           entries.push_back(
               {name, static_cast<size_t>(f), p, file.phases(), phase, stopwatch.seconds()});
         } catch (const AbsentLabelError& error) {
-          if (!skip || phases == 1) {
-            const std::string what =
-                place(files[static_cast<size_t>(f)], p, file.phases()) + host::sentence(error);
-            throw AbsentLabelError(phases > 1 ? host::said(volume_messages::canBeSkipped, what)
-                                              : what);
-          }
+          if (!skip || phases == 1)
+            refuseAbsent(error, files, coordinates, parameters, static_cast<size_t>(f), p,
+                         !entries.empty());
           ofReading.add(name, volume_messages::phaseSkipped, host::sentence(error));
           ++skipped;
         } catch (const VolumeError& error) {
@@ -232,7 +229,10 @@ class ImportFilter : public host::Filter {
                             host::sentence(error));
         }
       }
-      for (const host::Remark& of : file.remarks()) ofReading.add(stem, of);
+      std::vector<std::string> layersOfFile;
+      for (const Entry& entry : entries)
+        if (entry.file == static_cast<size_t>(f)) layersOfFile.push_back(entry.name);
+      for (const host::Remark& of : file.remarks()) ofReading.add(stem, of, layersOfFile);
     }
     ofReading.tell(task);
     if (entries.empty())
@@ -241,8 +241,7 @@ class ImportFilter : public host::Filter {
     std::vector<Figures> figures;
     bool anyHandles = false, triedToAlign = false;
     SharedRemarks remarks;
-    std::map<int, std::vector<int>> apart;  // by slice: the phases
-    std::map<std::pair<size_t, int>, std::vector<int>> sequences;
+    std::map<int, std::vector<size_t>> apart, sequences;  // by slice, by number: the entries
     std::vector<Thin> thin;
     for (size_t i = 0; i < entries.size(); ++i) {
       const Entry& entry = entries[i];
@@ -257,8 +256,8 @@ class ImportFilter : public host::Filter {
       }();
       task.log(entry.name + ": " + sphere_propagation::describe(surface));
       warn(remarks, entry.name, surface);
-      for (const int slice : surface.apartSlices) apart[slice].push_back(entry.phase);
-      sequences[{entry.file, surface.sliceSequence}].push_back(entry.phase);
+      for (const int slice : surface.apartSlices) apart[slice].push_back(i);
+      sequences[surface.sliceSequence].push_back(i);
       if (isThin(surface)) thin.push_back({i, totalLoss(surface), surface.voxelSize});
       const double least = entries.size() > 1 ? minUneven : minUnevenOfOne;
       warnOfSlices(remarks, entry.name, surface, parameters.interpolation.alignSlices, least, [&] {
@@ -271,7 +270,7 @@ class ImportFilter : public host::Filter {
     }
     warnOfThinLabels(remarks, thin, entries, trial);
     remarks.tell(task);
-    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, apart, sequences, files);
+    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, apart, sequences, entries);
     if (anyHandles) task.say(volume_messages::handlesElsewhere);
     if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
     if (earlier.replacedUnknown() > 0)
@@ -294,6 +293,35 @@ class ImportFilter : public host::Filter {
     int phase = 0;
     double seconds = 0;
   };
+
+  /// Skipping phases is advised only where some have the label. before: whether some before had it.
+  [[noreturn]] static void refuseAbsent(const AbsentLabelError& error,
+                                        const std::vector<std::string>& files,
+                                        Coordinates coordinates,
+                                        const VolumeSurfaceParameters& parameters, size_t file,
+                                        int phase, bool before) {
+    const auto has = [&](const VolumeFile& volume, int p) {
+      const std::vector<std::int32_t>& wanted = parameters.interpolation.labels;
+      const LabelGrid grid = volume.phase(p);
+      return std::any_of(grid.values.begin(), grid.values.end(), [&](std::int32_t label) {
+        return std::find(wanted.begin(), wanted.end(), label) != wanted.end();
+      });
+    };
+    bool some = before;
+    int phases = 1;
+    for (size_t f = file; f < files.size() && !some; ++f) {
+      const VolumeFile volume(files[f], coordinates);
+      if (f == file) phases = volume.phases();
+      for (int p = f == file ? phase + 1 : 0; p < volume.phases() && !some; ++p)
+        some = has(volume, p);
+    }
+    if (before) phases = VolumeFile(files[file], coordinates).phases();
+    const std::string what = host::sentence(error);
+    if (some)
+      throw AbsentLabelError(
+          host::said(volume_messages::canBeSkipped, place(files[file], phase, phases) + what));
+    throw AbsentLabelError(place(files[file], 0, 1) + what);
+  }
 
   /// What is returned about a layer.
   struct Figures {
@@ -501,29 +529,36 @@ class ImportFilter : public host::Filter {
                   shiftsText(uneven));
   }
 
-  /// "slice 6 in phases 0, 3; slice 8 in phase 1", and files whose phases do not belong together.
-  static void warnOfUnlikePhases(
-      const host::Task& task, const std::map<int, std::vector<int>>& apart,
-      const std::map<std::pair<size_t, int>, std::vector<int>>& sequences,
-      const std::vector<std::string>& files) {
-    const auto listed = [](const std::vector<int>& phases) {
-      std::string text = phases.size() > 1 ? "phases " : "phase ";
-      for (size_t i = 0; i < phases.size(); ++i)
-        text += (i > 0 ? ", " : "") + std::to_string(phases[i]);
-      return text;
+  /// "slice 6 in heart label 1 phases 0, 3; slice 8 in heart label 1 phase 1", and phases that do
+  /// not belong together: of one file, or of the files of a series.
+  static void warnOfUnlikePhases(const host::Task& task,
+                                 const std::map<int, std::vector<size_t>>& apart,
+                                 const std::map<int, std::vector<size_t>>& sequences,
+                                 const std::vector<Entry>& entries) {
+    const auto namesOfThe = [&](const std::vector<size_t>& phases) {
+      std::vector<std::string> names;
+      for (const size_t i : phases) names.push_back(entries[i].name);
+      return names;
     };
     std::string unlike;
-    for (const auto& [slice, phases] : apart)
+    std::vector<std::string> named;
+    for (const auto& [slice, phases] : apart) {
+      const std::vector<std::string> names = namesOfThe(phases);
       unlike += (unlike.empty() ? "slice " : "; slice ") + std::to_string(slice) + " in " +
-                listed(phases);
-    if (!unlike.empty()) task.say(volume_messages::slicesAlignedInSome, unlike);
-    for (size_t f = 0; f < files.size(); ++f) {
-      std::string parts;
-      int number = 0;
-      for (const auto& [of, phases] : sequences)
-        if (of.first == f) parts += (number++ > 0 ? "; " : "") + listed(phases);
-      if (number > 1) task.say(volume_messages::slicesAlignedByParts, files[f], parts);
+                namesOf(names);
+      for (const std::string& name : names)
+        if (std::find(named.begin(), named.end(), name) == named.end()) named.push_back(name);
     }
+    if (!unlike.empty()) task.sayNaming(named, volume_messages::slicesAlignedInSome, unlike);
+    if (sequences.size() < 2) return;
+    std::string parts;
+    std::vector<std::string> all;
+    for (const auto& [number, phases] : sequences) {
+      const std::vector<std::string> names = namesOfThe(phases);
+      parts += (parts.empty() ? "" : "; ") + namesOf(names);
+      all.insert(all.end(), names.begin(), names.end());
+    }
+    task.sayNaming(all, volume_messages::slicesAlignedByParts, parts);
   }
 
   static host::Outputs outputsOf(const std::vector<Figures>& figures) {

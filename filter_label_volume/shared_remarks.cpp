@@ -43,27 +43,30 @@ void SharedRemarks::add(const std::string& layer, const host::Message& message,
       same = same && alike(kind.values[gap].front(), values[gap]);
     if (!same) continue;
     for (size_t gap = 0; gap < values.size(); ++gap) kind.values[gap].push_back(values[gap]);
+    kind.subjects.push_back(layer);
     kind.layers.push_back(layer);
     return;
   }
   Kind kind;
   kind.message = &message;
   for (const std::string& value : values) kind.values.push_back({value});
+  kind.subjects.push_back(layer);
   kind.layers.push_back(layer);
   kinds_.push_back(std::move(kind));
 }
 
-void SharedRemarks::add(const std::string& layer, const host::Remark& remark) {
-  for (Kind& kind : kinds_)
-    if (kind.message == nullptr && kind.remark.name == remark.name &&
-        kind.remark.text == remark.text) {
-      kind.layers.push_back(layer);
-      return;
-    }
-  Kind kind;
-  kind.remark = remark;
-  kind.layers.push_back(layer);
-  kinds_.push_back(std::move(kind));
+void SharedRemarks::add(const std::string& subject, const host::Remark& remark,
+                        const std::vector<std::string>& layers) {
+  auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& other) {
+    return other.message == nullptr && other.remark.name == remark.name &&
+           other.remark.text == remark.text;
+  });
+  if (kind == kinds_.end()) {
+    kind = kinds_.insert(kind, Kind());
+    kind->remark = remark;
+  }
+  kind->subjects.push_back(subject);
+  kind->layers.insert(kind->layers.end(), layers.begin(), layers.end());
 }
 
 void SharedRemarks::tell(const host::Task& task) const {
@@ -73,9 +76,10 @@ void SharedRemarks::tell(const host::Task& task) const {
       std::vector<std::string> values;
       for (const auto& given : kind.values)
         values.push_back(isNumber(given.front()) ? rangeOf(given) : given.front());
-      remark = {kind.message->kind, kind.message->name, "", filled(*kind.message, values)};
+      remark = {kind.message->kind, kind.message->name, "", filled(*kind.message, values), {}};
     }
-    remark.layer = namesOf(kind.layers);
+    remark.subject = namesOf(kind.subjects);
+    remark.layers = kind.layers;
     task.tell(remark);
   }
 }

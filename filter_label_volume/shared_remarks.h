@@ -20,7 +20,10 @@ class SharedRemarks {
   }
   void add(const std::string& layer, const host::Message& message,
            const std::vector<std::string>& values);
-  void add(const std::string& layer, const host::Remark& remark);
+  /// layers: what `subject` is about.
+  void add(const std::string& subject, const host::Remark& remark,
+           const std::vector<std::string>& layers);
+  void add(const std::string& layer, const host::Remark& remark) { add(layer, remark, {layer}); }
   void tell(const host::Task& task) const;
 
  private:
@@ -28,7 +31,7 @@ class SharedRemarks {
     const host::Message* message = nullptr;  // none: the remark as it is
     host::Remark remark;
     std::vector<std::vector<std::string>> values;  // by gap: of each layer
-    std::vector<std::string> layers;
+    std::vector<std::string> subjects, layers;
   };
   std::vector<Kind> kinds_;
 };

@@ -61,7 +61,7 @@ void logSeveralRoots(const host::Task& task, const std::vector<host::Layer>& sur
   const Roots roots = rootsOf(surfaces);
   if (roots.known.size() > 1) task.say(messages::mapsOfSeveralRoots, inBrackets(roots));
   if (!roots.known.empty() && !roots.unknown.empty())
-    task.say(messages::rootNotKnown, listed(roots.unknown));
+    task.sayNaming(roots.unknown, messages::rootNotKnown, listed(roots.unknown));
 }
 
 void requireOneRoot(const std::vector<host::Layer>& landmarks) {
@@ -87,9 +87,9 @@ void logStaleLandmarks(const host::Task& task, const std::vector<host::Layer>& l
       remapped.push_back(landmarks[i].label());
   }
   if (!gone.empty() && gone.size() < landmarks.size())
-    task.say(messages::surfacesGone, listed(gone));
-  if (!mapless.empty()) task.say(messages::surfacesWithoutMap, listed(mapless));
-  if (!remapped.empty()) task.say(messages::mapsChanged, listed(remapped));
+    task.sayNaming(gone, messages::surfacesGone, listed(gone));
+  if (!mapless.empty()) task.sayNaming(mapless, messages::surfacesWithoutMap, listed(mapless));
+  if (!remapped.empty()) task.sayNaming(remapped, messages::mapsChanged, listed(remapped));
 }
 
 }  // namespace sphere_propagation

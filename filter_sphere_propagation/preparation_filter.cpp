@@ -182,6 +182,18 @@ class PreparationSummary {
   size_t changed_ = 0, closed_ = 0;
 };
 
+/// Perimeters of what was open: now, or in an earlier run, whose lids tell. A face or two that are
+/// missing are no opening.
+std::vector<double> openingSizes(const PreparedMesh& mesh, const host::Layer& layer,
+                                 const MeshContent& before) {
+  constexpr int fewEdges = 4;
+  std::vector<double> sizes =
+      lidSizes(before.vertices, before.faces, layer.lids(before.meshVertex));
+  for (const Opening& opening : mesh.openings)
+    if (opening.edges > fewEdges || opening.newVertices > 0) sizes.push_back(opening.perimeter);
+  return sizes;
+}
+
 /// One number per layer, by the names that scripts read.
 class PreparationFigures {
  public:
@@ -272,6 +284,8 @@ class PreparationFilter : public host::Filter {
                                                 : std::vector<host::Layer>{task.layers.current()};
     PreparationFigures figures(layers.size());
     PreparationSummary summary;
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> openings;  // perimeters
     for (size_t i = 0; i < layers.size(); ++i) {
       const Stopwatch clock;
       const MeshContent before = layers[i].content();
@@ -284,8 +298,11 @@ class PreparationFilter : public host::Filter {
       tellOf(task, layers[i], before, mesh, parameters);
       figures.set(i, mesh, before, clock.seconds());
       summary.add(layers[i], mesh);
+      names.push_back(layers[i].label());
+      openings.push_back(openingSizes(mesh, layers[i], before));
       if (mesh.changed) task.changes.remakeMesh(layers[i], before, remadeMesh(mesh));
     }
+    if (parameters.closeOpenings) warnOfOpenings(task, names, openings);
     summary.tell(task, allVisible);
     return figures.outputs();
   }

@@ -237,18 +237,19 @@ class PropagationFilter : public host::Filter {
   static void warnOfSides(const host::Task& task, const Participants& participants,
                           const std::vector<LayerSide>& sides, bool mirrors) {
     size_t mirrored = 0;
-    std::string inDoubt;
+    std::vector<std::string> inDoubt;
     for (size_t i = 0; i < sides.size(); ++i) {
       const host::Layer& layer = participants.layers[i];
       if (sides[i].mirrored) ++mirrored;
       if (sides[i].mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
       if (!sides[i].known && mirrors) task.say(messages::sideNotKnown, layer.label());
-      if (sides[i].inDoubt) inDoubt += (inDoubt.empty() ? "\"" : ", \"") + layer.label() + "\"";
+      if (sides[i].inDoubt) inDoubt.push_back(layer.label());
     }
     if (2 * mirrored > sides.size())
       task.sayOf(participants.layers[static_cast<size_t>(participants.root)],
                  messages::mirroredRoot);
-    if (!inDoubt.empty()) task.say(messages::sidesDiffer, inDoubt);
+    if (!inDoubt.empty())
+      task.sayNaming(inDoubt, messages::sidesDiffer, namesIn(inDoubt, inDoubt.size()));
   }
 
   /// Of layers that differ in one way: one by one where they are few.
@@ -259,25 +260,21 @@ class PropagationFilter : public host::Filter {
       if (const LayerSize& size = propagated[i].size; size.standsOut)
         kinds[{size.relative > 1, size.units}].push_back(i);
     for (const auto& [kind, layers] : kinds) {
-      if (layers.size() <= maxNamedSingly) {
+      const bool half = 2 * layers.size() == propagated.size() && layers.size() > 1;
+      if (layers.size() <= maxNamedSingly && !half) {
         for (const size_t i : layers)
           warnOfSize(task, participants.layers[i], propagated[i].size, propagated.size() == 2);
         continue;
       }
-      std::vector<std::string> names;
+      std::vector<std::string> names, others;
       std::vector<double> ratios;
-      for (const size_t i : layers) {
-        names.push_back(participants.layers[i].label());
-        ratios.push_back(propagated[i].size.relative);
+      for (size_t i = 0; i < propagated.size(); ++i) {
+        const bool isOne = std::find(layers.begin(), layers.end(), i) != layers.end();
+        (isOne ? names : others).push_back(participants.layers[i].label());
+        if (isOne) ratios.push_back(propagated[i].size.relative);
       }
-      const double ratio = medianOf(ratios);
-      std::string units;
-      if (kind.second != 0) {
-        const UnitNames unit = unitNames(ratio, kind.second);
-        units = std::string(" (") + unit.its + " among " + unit.others + "?)";
-      }
-      task.say(messages::severalSizes, names.size(), propagated.size(), namesIn(names),
-               ratio > 1 ? ratio : 1 / ratio, ratio > 1 ? "larger" : "smaller", units);
+      warnOfManySizes(task, names, others, medianOf(ratios), kind.second,
+                      {messages::severalSizes, messages::halfOfLayersLarger});
     }
   }
 

@@ -70,7 +70,17 @@ void tellOfLids(const host::Task& task, const std::vector<MappedLayer>& layers,
   const auto onAll = std::count(layersWith.begin(), layersWith.end(), with);
   const auto onNone = std::count(layersWith.begin(), layersWith.end(), size_t{0});
   task.say(messages::landmarksOnLids, landmarks - onNone, with, onAll, landmarks - onNone - onAll);
-  if (!without.empty()) task.say(messages::layersWithoutLids, namesIn(without));
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> sizes;
+  for (const MappedLayer& layer : layers) {
+    const std::vector<int> numbers = layer.layer.lids(layer.mesh.meshVertex);
+    if (numbers.empty()) continue;
+    names.push_back(layer.layer.label());
+    const ClosedSurface& surface = layer.map.surface();
+    sizes.push_back(lidSizes(surface.vertices(), surface.faces(), numbers));
+  }
+  warnOfOpenings(task, names, sizes);
+  if (!without.empty()) task.sayNaming(without, messages::layersWithoutLids, namesIn(without));
 }
 
 class RemeshingFilter : public host::Filter {

@@ -2,6 +2,7 @@
 #pragma once
 /// What several filters tell the user in the same words: log lines, returned figures.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,30 @@ namespace sphere_propagation {
 /// `"a", "b", "c" and 4 more`.
 std::string namesIn(const std::vector<std::string>& names, size_t most = 10);
 
+/// What layers say that have another number of something than most of them.
+struct UnlikeCounts {
+  std::string text;                 ///< `"a", "b" 1, "c" none, the others 2`
+  std::vector<std::string> layers;  ///< those that are named
+};
+
+/// Nothing where all are the same; where no number is that of most layers, all are named. names,
+/// counts: one per layer.
+std::optional<UnlikeCounts> unlikeCounts(const std::vector<std::string>& names,
+                                         const std::vector<int>& counts);
+
+/// Of each lid the perimeter of a disc of its area. lids: number of the lid of each vertex, 0 on
+/// none; may be empty.
+std::vector<double> lidSizes(const Points& vertices, const Triangles& faces,
+                             const std::vector<int>& lids);
+
+/// How many of openings, or lids, of a surface tell it from others: small ones are defects. sizes:
+/// of each surface those of its openings, by length.
+std::vector<int> openingCounts(const std::vector<std::vector<double>>& sizes);
+
+/// Warns by name of surfaces with other openings than the others.
+void warnOfOpenings(const host::Task& task, const std::vector<std::string>& names,
+                    const std::vector<std::vector<double>>& sizes);
+
 /// What units a size that stands out is in, and what the others are in, as far as their ratio
 /// tells: "cm" and "mm". units: as unit_ratio.h has them, not 0.
 struct UnitNames {
@@ -22,6 +47,17 @@ struct UnitNames {
   const char* others;
 };
 UnitNames unitNames(double ratio, double units);
+
+/// Several layers, or shapes, are of another size than the others, as one warning: of two halves
+/// nobody can tell which is right, and the larger is named.
+///
+/// ratio: their size over that of the others; units: as unit_ratio.h has them, or 0.
+struct SizeMessages {
+  const host::Message &several, &half;
+};
+void warnOfManySizes(const host::Task& task, const std::vector<std::string>& names,
+                     const std::vector<std::string>& others, double ratio, double units,
+                     const SizeMessages& messages);
 
 /// How many of several are named one by one; more are listed in one warning.
 constexpr size_t maxNamedSingly = 3;

@@ -54,8 +54,9 @@ std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
   for (size_t k = 0; k < order.size(); ++k) {
     sorted.push_back(layers[order[k]]);
     if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
-      task.say(messages::shapeCountedTwice, layers[order[k - 1]].label(), layers[order[k]].label(),
-               surfaces[*sources[order[k]]].label());
+      task.sayNaming({layers[order[k - 1]].label(), layers[order[k]].label()},
+                     messages::shapeCountedTwice, layers[order[k - 1]].label(),
+                     layers[order[k]].label(), surfaces[*sources[order[k]]].label());
   }
   if (!std::is_sorted(order.begin(), order.end())) task.say(messages::orderOfSurfaces);
   return sorted;
@@ -118,7 +119,8 @@ TrainingSet trainingSet(const host::Task& task, LidRule rule) {
   }
   const bool mostMirrored = mirrored.size() > others.size();
   TrainingSet set(std::move(shapes), std::move(*(mostMirrored ? mirroredFaces : faces)));
-  if (!mirrored.empty() && !others.empty()) task.say(messages::matrixMirrors, namesIn(mirrored));
+  if (!mirrored.empty() && !others.empty())
+    task.sayNaming(mirrored, messages::matrixMirrors, namesIn(mirrored));
   shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
   return withoutLids(task, std::move(set), shapesWithLid, rule);
 }
@@ -145,18 +147,16 @@ void nameAll(const host::Task& task, const std::vector<Outlier>& outliers, const
     return *std::min_element(values.begin(), values.end());
   };
   if (outliers.front().kind == Outlier::Kind::Shape) {
-    task.say(messages::shapesStandOut, names.size(), set.shapeCount(), namesIn(names),
-             least(distances), least(ratios));
+    task.sayNaming(names, messages::shapesStandOut, names.size(), set.shapeCount(), namesIn(names),
+                   least(distances), least(ratios));
     return;
   }
-  const double ratio = medianOf(ratios);
-  std::string units;
-  if (outliers.front().units > 0) {
-    const UnitNames unit = unitNames(ratio, outliers.front().units);
-    units = std::string(" (") + unit.its + " among " + unit.others + "?)";
-  }
-  task.say(messages::sizesStandOut, names.size(), set.shapeCount(), namesIn(names),
-           ratio > 1 ? ratio : 1 / ratio, ratio > 1 ? "larger" : "smaller", units);
+  std::vector<std::string> others;
+  for (const TrainingSet::Shape& shape : set.shapes())
+    if (std::find(names.begin(), names.end(), shape.name) == names.end())
+      others.push_back(shape.name);
+  warnOfManySizes(task, names, others, medianOf(ratios), outliers.front().units,
+                  {messages::sizesStandOut, messages::halfOfShapesLarger});
 }
 
 void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {
@@ -166,7 +166,9 @@ void nameOutliers(const host::Task& task, const TrainingSet& given, const Traini
     kinds[{outlier.kind, !isShape && outlier.ratio > 1, outlier.units}].push_back(outlier);
   }
   for (const auto& [kind, outliers] : kinds)
-    if (outliers.size() > maxNamedSingly)
+    if (outliers.size() > maxNamedSingly ||
+        (std::get<0>(kind) == Outlier::Kind::Size &&
+         2 * outliers.size() == static_cast<size_t>(given.shapeCount())))
       nameAll(task, outliers, given);
     else
       for (const Outlier& outlier : outliers)

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -71,6 +72,14 @@ struct Task {
   template <class... Values>
   void sayOf(const std::string& layer, const Message& message, const Values&... values) const {
     tell(remarkOn(layer, message, values...));
+  }
+  /// What it says of layers that its text names.
+  template <class... Values>
+  void sayNaming(std::vector<std::string> layers, const Message& message,
+                 const Values&... values) const {
+    Remark remark = remarkOn("", message, values...);
+    remark.layers = std::move(layers);
+    tell(remark);
   }
 };
 

@@ -8,7 +8,7 @@ namespace sphere_propagation::host {
 std::string Remark::line() const {
   const bool warning = kind == Message::Kind::Warning || kind == Message::Kind::LayerWarning;
   const char* const head = warning ? "Warning: " : kind == Message::Kind::Note ? "Note: " : "";
-  return head + (layer.empty() ? layer : layer + ": ") + text;
+  return head + (subject.empty() ? subject : subject + ": ") + text;
 }
 
 std::string outline(const Message& message, Host host) {

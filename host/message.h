@@ -6,6 +6,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/remedies.h"
@@ -32,9 +33,12 @@ struct Message {
 /// (warnings.h).
 struct Remark {
   Message::Kind kind = Message::Kind::News;
-  std::string name;   ///< of the message; empty: news that have none
-  std::string layer;  ///< that it is about; empty: the result as a whole
+  std::string name;     ///< of the message; empty: news that have none
+  std::string subject;  ///< whose it is, before the text: a layer, or several in short, as "heart
+                        ///< phases 0 to 4"; empty: the text speaks for itself
   std::string text;
+  std::vector<std::string> layers{};  ///< all that it is about, also those that the text names;
+                                      ///< none: the result as a whole
 
   /// "Warning: phase 3: it lies in another pose ...".
   std::string line() const;
@@ -62,7 +66,9 @@ std::string said(const Message& message, const Values&... values) {
 /// What a message says of a layer; layer empty: of the result as a whole.
 template <class... Values>
 Remark remarkOn(const std::string& layer, const Message& message, const Values&... values) {
-  return {message.kind, message.name, layer, said(message, values...)};
+  std::vector<std::string> layers;
+  if (!layer.empty()) layers.push_back(layer);
+  return {message.kind, message.name, layer, said(message, values...), std::move(layers)};
 }
 
 /// What a filter refuses; its text is the message's.

@@ -26,11 +26,17 @@ QString kindOf(const Remark& remark) {
 std::optional<Eigen::VectorXd> encodedWarnings(const std::vector<Remark>& remarks) {
   QJsonArray list;
   for (const Remark& remark : remarks)
-    if (const QString kind = kindOf(remark); !kind.isEmpty())
+    if (const QString kind = kindOf(remark); !kind.isEmpty()) {
+      QJsonArray layers;
+      for (const std::string& layer : remark.layers) layers.append(QString::fromStdString(layer));
+      const QJsonValue only = layers.size() == 1 ? layers.first() : QJsonValue(QString());
       list.append(QJsonObject{{"kind", kind},
                               {"message", QString::fromStdString(remark.name)},
-                              {"layer", QString::fromStdString(remark.layer)},
+                              {"layer", only},
+                              {"layers", layers},
+                              {"subject", QString::fromStdString(remark.subject)},
                               {"text", QString::fromStdString(remark.text)}});
+    }
   if (list.isEmpty()) return std::nullopt;
   const QByteArray text = QJsonDocument(list).toJson(QJsonDocument::Compact);
   Eigen::VectorXd bytes(text.size());

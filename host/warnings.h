@@ -15,9 +15,12 @@ namespace sphere_propagation::host {
 constexpr const char* warningsKey = "warnings";
 
 /// Of remarks the warnings and the notes, in their order, as JSON in UTF-8, one byte a number:
-///   [{"kind": "Warning", "message": "anotherPose", "layer": "phase 3", "text": "it lies in ..."}]
-/// kind: Warning or Note; message: its name in the catalogue; layer: empty where it is about the
-/// result as a whole. Nothing where there are none.
+///   [{"kind": "Warning", "message": "anotherPose", "layer": "phase 3", "layers": ["phase 3"],
+///     "subject": "phase 3", "text": "it lies in ..."}]
+/// kind: Warning or Note; message: its name in the catalogue; layers: the names of all that it is
+/// about, none where that is the result as a whole; layer: the name where it is one, else empty;
+/// subject: how the log calls them before the text, empty where the text names them itself. Nothing
+/// where there are none.
 std::optional<Eigen::VectorXd> encodedWarnings(const std::vector<Remark>& remarks);
 
 }  // namespace sphere_propagation::host

@@ -10,17 +10,33 @@ import warnings
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Tuple, Union
 
-from .errors import SpherePropagationWarning
+from .errors import MESSAGES_FOR_ARRAYS, SpherePropagationWarning, for_arrays
 
 PACKAGE = str(Path(__file__).parent)
+#: Names of messages that say the same of a surface and of its landmarks.
+ALIKE = (
+    {
+        "anotherSize",
+        "anotherUnit",
+        "anotherSizeThanRoot",
+        "anotherUnitThanRoot",
+        "severalSizes",
+        "halfOfLayersLarger",
+        "sizeStandsOut",
+        "sizesStandOut",
+        "halfOfShapesLarger",
+    },
+)
 KEY = "warnings"  # of what a filter returns (host/warnings.h)
 
 _collecting: ContextVar[Tuple[List[SpherePropagationWarning], ...]] = ContextVar(
     "collecting", default=()
 )
 _noted: ContextVar[Tuple[str, ...]] = ContextVar("noted", default=())
+_before: ContextVar[Tuple[SpherePropagationWarning, ...]] = ContextVar("before", default=())
+_called: ContextVar[Tuple[str, str]] = ContextVar("called", default=("", ""))
 _silent: ContextVar[bool] = ContextVar("silent", default=False)
 
 
@@ -31,9 +47,10 @@ def warnings_of(returned: Mapping[str, Any], notes: bool = False) -> List[Sphere
     if code is None or not len(code):
         return []
     found = [
-        SpherePropagationWarning(
-            f"{remark['layer']}: {remark['text']}" if remark["layer"] else remark["text"],
-            remark["layer"],
+        SpherePropagationWarning.of(
+            remark["subject"],
+            remark["text"],
+            remark["layers"],
             remark["message"],
             remark["kind"],
         )
@@ -45,7 +62,7 @@ def warnings_of(returned: Mapping[str, Any], notes: bool = False) -> List[Sphere
 def pass_on(returned: Dict[str, Any]) -> None:
     """Takes the warnings out of what a filter returned, and issues them; and notes that noting()
     asks for, each text once."""
-    for warning in warnings_of(returned, notes=True):
+    for warning in map(_in_words_of_arrays, warnings_of(returned, notes=True)):
         if (
             warning.kind != "Note"
             or warning.message in _noted.get()
@@ -57,18 +74,45 @@ def pass_on(returned: Dict[str, Any]) -> None:
     returned.pop(KEY, None)
 
 
+def _in_words_of_arrays(warning: SpherePropagationWarning) -> SpherePropagationWarning:
+    """With advice for arrays, and with the names that surfaces get where files share one."""
+    stem, name = _called.get()
+
+    def called(text: str) -> str:
+        return name + text[len(stem) :] if stem and text.startswith(stem) else text
+
+    return SpherePropagationWarning.of(
+        called(warning.subject),
+        for_arrays(warning.said) if warning.message in MESSAGES_FOR_ARRAYS else warning.said,
+        map(called, warning.layers),
+        warning.message,
+        warning.kind,
+    )
+
+
 def warn(warning: Union[str, SpherePropagationWarning]) -> None:
     """A SpherePropagationWarning; its place is where the package was called from."""
-    if _silent.get():
-        return
     if isinstance(warning, str):
         warning = SpherePropagationWarning(warning)
+    if _silent.get() or _was_said(warning):
+        return
     for found in _collecting.get():
         found.append(warning)
     frame, level = sys._getframe(1), 2  # the caller's; 1 would be this function
     while frame.f_back and str(Path(frame.f_code.co_filename).parent) == PACKAGE:
         frame, level = frame.f_back, level + 1
     warnings.warn(warning, stacklevel=level)
+
+
+def _was_said(warning: SpherePropagationWarning) -> bool:
+    """Whether warnings before said the same of all its layers."""
+    said = {
+        name
+        for before in _before.get()
+        for name in before.layers
+        if any({warning.message, before.message} <= alike for alike in ALIKE)
+    }
+    return bool(warning.layers) and said.issuperset(warning.layers)
 
 
 @contextmanager
@@ -90,6 +134,26 @@ def noting(*messages: str) -> Iterator[None]:
         yield
     finally:
         _noted.reset(token)
+
+
+@contextmanager
+def calling(stem: str, name: str) -> Iterator[None]:
+    """Within, surfaces whose names begin with the file's stem are called by this name instead."""
+    token = _called.set((stem, name) if stem != name else ("", ""))
+    try:
+        yield
+    finally:
+        _called.reset(token)
+
+
+@contextmanager
+def after(said: Iterable[SpherePropagationWarning]) -> Iterator[None]:
+    """Within, what these said of a surface is not said again of its landmarks."""
+    token = _before.set((*_before.get(), *said))
+    try:
+        yield
+    finally:
+        _before.reset(token)
 
 
 @contextmanager

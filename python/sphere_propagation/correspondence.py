@@ -124,6 +124,8 @@ def _correspond(
     unit: str,
 ) -> Correspondence:
     surfaces = as_surfaces(surfaces)
+    if len(surfaces) == 1:
+        raise InputError("There is one surface: correspondence takes two or more.")
     parameters = checked(parameters, len(surfaces))
     root = largest(surfaces) if parameters.root is None else parameters.root
     if root_map is None:

@@ -15,6 +15,7 @@ SpherePropagationWarning        a result that deserves a look
 from __future__ import annotations
 
 import re
+from typing import Iterable
 
 #: What to do about a fault (vcg_ext/base/fault.h) where surfaces are arrays, in place of what the
 #: plugin advises, which is for layers and menus: how its advice begins, and ours. All that comes
@@ -121,9 +122,68 @@ FOR_ARRAYS = {
 }
 
 
+#: The same of what filters say besides (messages.def), by its name there.
+MESSAGES_FOR_ARRAYS = {
+    "noMappedLayer": (
+        "No visible surface layer has a map",
+        "No surface has a valid map to the sphere: a map has one unit vector per vertex, and no "
+        "face of it is flipped, as parameterise_root and propagate make them.",
+    ),
+    "rootMapNotValid": (
+        "Make it the current layer and run",
+        "parameterise_root(surface) makes one.",
+    ),
+    "onlySurface": ("Load or show the other layers", "Give two surfaces or more."),
+    "tooManyLandmarks": (
+        "Choose a lower frequency or hide layers",
+        "Choose a lower frequency or fewer surfaces.",
+    ),
+    "rootOnUnitSphere": (
+        "so the other filters take it for one that",
+        "so propagate and remesh take it for a map's sphere. Where it is a surface, scale it.",
+    ),
+    "mirrorImage": ("Run the filter again with mirror_layers", "mirror_layers=True reflects it."),
+    "reflected": (
+        "Its surface is changed; save it",
+        "Its surface goes on reflected; what was given stays as it is.",
+    ),
+    "layersWithoutLids": (
+        "Prepare them in the same way, or tell",
+        "Prepare them in the same way; where they were closed elsewhere, nothing tells what is "
+        "made up there.",
+    ),
+    "shellsNotJoined": (
+        "Load it again and prepare it with",
+        "Prepare it with join_shells=True, which puts a ring between the two; else each side is a "
+        "surface of its own, of which the larger is kept.",
+    ),
+    "largePartDropped": (
+        "join them before, or keep both by",
+        "prepare it with join_shells=True, or keep both by keep_largest_component=False.",
+    ),
+    "largeSheetsDropped": (
+        "make each body a layer of its own before",
+        "make each body a surface of its own before, or keep all sheets by remove_fins=False.",
+    ),
+    "notClosedYet": (
+        "Run the filter again with the steps",
+        "Prepare it with the steps that were left out.",
+    ),
+    "oneSided": (", and run the filter again", ", and prepare it again."),
+    "notMended": (
+        "No step of this filter mends that",
+        "No step of the preparation mends that; mend the mesh where it was made.",
+    ),
+    "handlesLeft": (
+        "Run the filter again with remove_handles",
+        "Prepare it with remove_handles=True, which makes the surface anew.",
+    ),
+}
+
+
 def for_arrays(message: str) -> str:
-    """What the plugin says of a fault, with advice for one who has arrays."""
-    for opening, advice in FOR_ARRAYS.values():
+    """What the plugin says, with advice for one who has arrays."""
+    for opening, advice in (*FOR_ARRAYS.values(), *MESSAGES_FOR_ARRAYS.values()):
         statement, found, _ = message.rpartition(opening)
         if found:
             message = statement + advice
@@ -138,17 +198,46 @@ class SpherePropagationError(Exception):
 class SpherePropagationWarning(UserWarning):
     """A result that deserves a look, in the filter's own words.
 
-    layer: the surface that it is about, whose name the text begins with; empty where it is about
-    the result as a whole. message: what the filters' catalogue calls it, as "anotherPose"; empty
-    where it is none of theirs. kind: "Warning", or "Note" for advice (see warnings_of).
+    layers: the names of the surfaces that it is about, a tuple; empty where it is about the result
+    as a whole. layer: the name where it is one, else empty. message: what the filters' catalogue
+    calls it, as "anotherPose"; empty where it is none of theirs. kind: "Warning", or "Note" for
+    advice (see warnings_of). subject: how the text calls them where it begins with that, as
+    "heart phases 0 to 4"; said: the text after it.
     """
 
-    def __init__(self, text: str, layer: str = "", message: str = "", kind: str = "Warning"):
+    def __init__(
+        self,
+        text: str,
+        layer: str = "",
+        message: str = "",
+        kind: str = "Warning",
+        layers: Iterable[str] = (),
+        subject: str = "",
+    ):
         super().__init__(text)
-        self.layer, self.message, self.kind = layer, message, kind
+        self.layers = tuple(layers) or ((layer,) if layer else ())
+        self.layer = self.layers[0] if len(self.layers) == 1 else ""
+        self.message, self.kind = message, kind
+        begin = subject or self.layer
+        self.subject = begin if begin and text.startswith(f"{begin}: ") else ""
+        self.said = text[len(self.subject) + 2 :] if self.subject else text
+
+    @classmethod
+    def of(
+        cls,
+        subject: str,
+        said: str,
+        layers: Iterable[str],
+        message: str = "",
+        kind: str = "Warning",
+    ) -> SpherePropagationWarning:
+        """From the parts of its text."""
+        text = f"{subject}: {said}" if subject else said
+        return cls(text, "", message, kind, layers, subject)
 
     def __reduce__(self):
-        return type(self), (str(self), self.layer, self.message, self.kind)
+        rest = (self.message, self.kind, self.layers, self.subject)
+        return type(self), (str(self), self.layer, *rest)
 
 
 class PluginError(SpherePropagationError, ImportError):

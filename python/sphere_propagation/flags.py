@@ -17,6 +17,7 @@ PARAMETERS = (
     "join_shells",
     "longest_gap",
     "mirror_layers",
+    "remove_handles",
     "skip_incomplete_phases",
     "voxel_size",
 )
@@ -35,10 +36,15 @@ WORDS = (
 CALLS = {
     "sp.prepare(surface, remove_handles=True)": "run --prepare --remove-handles",
     "sp.prepare(surface)": "run --prepare",
+    # What is on anyway.
+    ", or keep both by keep_largest_component=False": "",
+    ", or keep all sheets by remove_fins=False": "",
 }
 # Not within paths; the label that dialogs have may follow.
 _parameter = re.compile(
-    r"(?<![\w/\\.-])(" + "|".join(PARAMETERS) + r')(?![\w/\\-]|\.\w)(?: \("[A-Z][^"]*"\))?'
+    r"(?<![\w/\\.-])("
+    + "|".join(PARAMETERS)
+    + r')(?![\w/\\-]|\.\w)(?:=True\b)?(?: \("[A-Z][^"]*"\))?'
 )
 
 _word = re.compile(rf"^(?:The )?({'|'.join(WORDS)})(?= must\b|: )")

@@ -20,7 +20,7 @@ from .model import ShapeModel
 from .nifti import write_nifti
 from .parameters import DEFAULTS, METHODS, CorrespondenceParameters
 from .phantom import SCAN_SPACING, Ventricle
-from .preparation import STEPS, prepare
+from .preparation import prepare, steps_in_words
 from .progress import Lines
 from .provenance import Provenance, provenance
 from .results import ResultFolder
@@ -136,8 +136,9 @@ def _run_files(
     for path, called in zip(paths, names):
         steps.begin(f"reading {path.name}")
         if files.is_label_volume(path):
-            volume = filters.read_label_volume(path, **choices.volume)
             stem = files.stem_of(path)
+            with attention.calling(stem, called):
+                volume = filters.read_label_volume(path, **choices.volume)
             surfaces += [
                 replace(surface, name=called + surface.name[len(stem) :])
                 if called != stem and surface.name.startswith(stem)
@@ -224,11 +225,10 @@ def _prepared(surface: Surface, how: Optional[Mapping[str, Any]]) -> Surface:
     if how is None:
         return surface
     made, figures = prepare(surface, **how)
-    done = [f"{name} {figures[name]:g}" for name in STEPS if figures.get(name)]
     if made is not surface:
         warn(
             SpherePropagationWarning(
-                f"{surface.name}: it was prepared: {', '.join(done)}; "
+                f"{surface.name}: it was prepared: {', '.join(steps_in_words(figures))}; "
                 f"{figures['vertices']:g} vertices, {figures['vertices_before']:g} before.",
                 surface.name,
                 "prepared",
@@ -445,7 +445,8 @@ def _build_model(
             )
         )
 
-    results.write(f"{name}/model.npz", build)
+    with attention.after(result.warnings):
+        results.write(f"{name}/model.npz", build)
     for ending in choices.exports:
         with attention.silenced():  # it was said before; how good the model is, measured
             results.write_all(

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import attention, plugin
 from .errors import FilterError, InputError
-from .parameters import in_full
+from .parameters import FLAGS, in_full
 from .sphere_map import SphereMap
 from .surface import Surface, distinct_names
 from .turns import turn
@@ -80,6 +80,9 @@ def apply(meshes, name: str, **parameters) -> Dict[str, Any]:
     """Runs a filter, when those of other threads are done; what it refuses comes as a FilterError
     with the filter's own words, what it warns of as a SpherePropagationWarning."""
     parameters = {key: in_full(key, value) for key, value in parameters.items()}
+    for key, value in parameters.items():
+        if isinstance(value, (bool, np.bool_)) and key not in FLAGS:
+            raise InputError(f"{key} must not be {value!r}: it is no matter of on or off.")
     try:
         with turn(name):
             returned = meshes.apply_filter(name, **parameters) or {}

@@ -156,7 +156,8 @@ def provenance_chapter(made: Provenance) -> Chapter:
 def warning_tables(runs: Sequence[report.Run]) -> List[Table]:
     """What deserves a look, a row each; no table where there is nothing."""
     rows = [
-        [data, method, layer, text] for data, method, layer, _, text in report.warning_rows(runs)
+        [data, method, layer, text]
+        for data, method, layer, _, text in report.warning_rows(runs, shortly=True)
     ]
     header = ["data", "method", "layer", "what the filters say"]
     return [Table("What deserves a look", header, rows, words=len(header))] if rows else []

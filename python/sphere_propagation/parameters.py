@@ -41,6 +41,30 @@ NAMED = {
 Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers
 
 
+# The parameters that are on or off, of all filters.
+FLAGS = (
+    "align_slices",
+    "all_visible",
+    "anisotropic_scaling",
+    "area_weights",
+    "close_openings",
+    "color_landmarks",
+    "cut_handles",
+    "file_series",
+    "fill_holes",
+    "join_shells",
+    "keep_largest_component",
+    "mirror_layers",
+    "orient",
+    "remove_duplicate_faces",
+    "remove_fins",
+    "remove_handles",
+    "residual_quality",
+    "skip_incomplete_phases",
+    "weld",
+)
+
+
 @dataclass(frozen=True, eq=False)
 class CorrespondenceParameters:
     """What correspond() can be told beside its surfaces, where it says what each means."""
@@ -60,9 +84,11 @@ DEFAULTS = CorrespondenceParameters()
 
 
 def whole_numbers(name: str, values) -> List[int]:
-    """One or several, of any type; 1.5 is not taken for 1."""
+    """One or several, of any type; 1.5 is not taken for 1, nor is True."""
     try:
         numbers = np.atleast_1d(np.asarray(values, dtype=float))
+        if any(isinstance(value, (bool, np.bool_)) for value in np.ravel(np.array(values, object))):
+            raise TypeError
     except (TypeError, ValueError):
         numbers = np.array([np.nan])
     if numbers.ndim != 1 or not np.isfinite(numbers).all() or (numbers != np.floor(numbers)).any():
@@ -79,8 +105,10 @@ def whole_number(name: str, value) -> int:
 
 
 def real_number(name: str, value, finite: bool = True) -> float:
-    """One, of any type."""
+    """One, of any type; True is not taken for 1."""
     try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, not {value!r}.") from None

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, Union
+from typing import Dict, Iterator, List, Mapping, Union
 
 import numpy as np
 
@@ -14,18 +14,27 @@ from .surface import Surface, SurfaceLike, as_surface
 
 PREPARE = "apply_surface_preparation"
 LIDS = NAMED["lid"]
-# What is counted, by its names.
-STEPS = (
-    "weld",
-    "remove_duplicate_faces",
-    "remove_fins",
-    "join_shells",
-    "keep_largest_component",
-    "close_openings",
-    "lid",
-    "orient",
-    "remove_handles",
-)
+# What is counted, by its names, and in words: of one, of several.
+STEPS = {
+    "weld": ("vertex welded or dropped", "vertices welded or dropped"),
+    "remove_duplicate_faces": ("duplicate or flat face mended", "duplicate or flat faces mended"),
+    "remove_fins": ("place with fins cleared", "places with fins cleared"),
+    "join_shells": ("wall joined by a ring", "walls joined by a ring"),
+    "keep_largest_component": ("smaller part dropped", "smaller parts dropped"),
+    "close_openings": ("opening closed", "openings closed"),
+    "lid": ("vertex of lids added", "vertices of lids added"),
+    "orient": ("face turned", "faces turned"),
+    "remove_handles": ("handle removed", "handles removed"),
+}
+
+
+def steps_in_words(figures: Mapping[str, Union[float, np.ndarray]]) -> List[str]:
+    """What was done: "1 opening closed", "122 vertices of lids added"."""
+    return [
+        f"{figures[name]:g} {words[figures[name] != 1]}"
+        for name, words in STEPS.items()
+        if figures.get(name)
+    ]
 
 
 @dataclass(frozen=True, eq=False)

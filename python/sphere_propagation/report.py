@@ -64,7 +64,7 @@ def rows(run: Run) -> List[Dict[str, object]]:
             "faces": len(surface.faces),
             "unit": run.result.unit,
             "error_mm": "" if run.errors is None else f"{run.errors[i]:.4f}",
-            "warnings": " ".join(w.message for w in run.warnings if w.layer == surface.name),
+            "warnings": " ".join(w.message for w in run.warnings if surface.name in w.layers),
         }
         for name, values in run.result.figures.items():
             row[name] = int(values[i]) if name in COUNTS else f"{values[i]:.6g}"
@@ -73,23 +73,25 @@ def rows(run: Run) -> List[Dict[str, object]]:
 
 
 def write_csv(path, runs: Sequence[Run]) -> None:
+    known = any(run.errors is not None for run in runs)
+    columns = [name for name in COLUMNS if known or name != "error_mm"]
     with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
         for run in runs:
             writer.writerows(rows(run))
 
 
-def warning_rows(runs: Sequence[Run]) -> List[List[str]]:
-    """One row per warning: data, method, layer (empty where it is about the result as a whole), its
-    name, what it says of the layer."""
+def warning_rows(runs: Sequence[Run], shortly: bool = False) -> List[List[str]]:
+    """One row per warning: data, method, its layers (none where it is about the result as a whole;
+    shortly: as it calls them), its name, what it says of them."""
     return [
         [
             run.data,
             run.result.method,
-            warning.layer,
+            warning.subject if shortly else "; ".join(warning.layers),
             warning.message,
-            by_flags(str(warning)[len(warning.layer) + 2 if warning.layer else 0 :]),
+            by_flags(warning.said),
         ]
         for run in runs
         for warning in run.warnings

@@ -102,6 +102,53 @@ def test_every_remedy_has_its_counterpart_for_arrays():
         assert "layer dialog" not in said and "menu" not in said
 
 
+#: Words that mean something in a window only.
+OF_WINDOWS = (
+    r"the filter again|Load it again|Load or show|layer dialog|[Hh]ide |hidden|menu|current layer"
+)
+#: What Python never meets: its surfaces are all visible, come from no file and have no marks.
+NOT_IN_PYTHON = (
+    "The project has no layer",
+    "No surface layer is visible",
+    "; hidden, left out",
+    "the maps come from different roots",
+    "the surfaces of …",
+    "The landmarks do not correspond, since",
+    "cannot be the root: it is hidden",
+    "is the root and has no map",
+    "the current layer is …",
+    "it also holds landmarks of",
+    'layers "…" and "…" both hold',
+    "layer|layers} side by side",
+    "layers side by side, by their",
+    "No landmark layer is visible",
+    "left out, since",
+    "by their matrices alone",
+    "No visible layer has places",
+    "the surface of this sphere is not visible",
+    "the matrices of",
+    "end-diastole first and the current one",
+    "the first is the current layer",
+)
+
+
+def test_no_message_speaks_of_windows_in_python(plugin):
+    """Nor on the command line."""
+    left = [
+        text
+        for text in map(errors.for_arrays, said_by(plugin))
+        if re.search(OF_WINDOWS, text) and not any(words in text for words in NOT_IN_PYTHON)
+    ]
+    assert not left, "\n  ".join(["without advice for arrays in errors.py:", *left])
+
+
+def test_advice_for_arrays_is_on_messages_that_exist(plugin):
+    text = re.sub(r'"\n\s*"', "", (PROJECT / "filter_sphere_propagation/messages.def").read_text())
+    said = dict(re.findall(r'MESSAGE\((\w+), \w+,\s*"((?:[^"\\]|\\.)*)"', text))
+    for name, (opening, _) in errors.MESSAGES_FOR_ARRAYS.items():
+        assert opening in said[name].replace('\\"', '"'), name
+
+
 def test_every_message_is_explained():
     explained = on_the_page()
     missing = [

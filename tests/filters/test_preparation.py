@@ -304,3 +304,59 @@ def test_nothing_to_prepare_is_refused():
     add(ms, *surfaces.points_only(), "points")
     with refused(ms, '"points"', "vertices but no faces"):
         ms.apply_filter(PREPARE)
+
+
+def cut(z, scale=1.0):
+    """An egg open at both ends (z: lower, upper; None: closed there), in any size."""
+    v, f = egg(14, 20)
+    low, high = z
+    keep = np.ones(len(f), bool)
+    if low is not None:
+        keep &= (v[f][:, :, 2] > low).all(axis=1)
+    if high is not None:
+        keep &= (v[f][:, :, 2] < high).all(axis=1)
+    return v * scale, f[keep]
+
+
+def openings_said(returned):
+    found = json.loads(bytes(map(int, returned.get("warnings", []))).decode() or "[]")
+    return [(r["layers"], r["text"]) for r in found if r["message"] == "openingsDiffer"]
+
+
+@pytest.mark.parametrize("odd, other", [((None, 20), (-20, 20)), ((-20, 20), (None, 20))])
+def test_other_numbers_of_openings_are_named(odd, other):
+    ms = pymeshlab.MeshSet()
+    for i in range(5):
+        add(ms, *cut(odd if i in (1, 3) else other, 1 + 0.01 * i), f"p_{i}")
+    few, many = ("1", "2") if odd[0] is None else ("2", "1")
+    text = f'"p_1", "p_3" {few}, the others {many}.'
+    ((names, said_of),) = openings_said(ms.apply_filter(PREPARE, all_visible=True))
+    assert names == ["p_1", "p_3"] and text in said_of
+    # The lids tell later, too.
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    ms.apply_filter(PROPAGATE)
+    ((names, said_of),) = openings_said(ms.apply_filter(REMESH, frequency=4))
+    assert names == ["p_1", "p_3"] and text in said_of
+
+
+def test_openings_of_closed_surfaces_and_of_two_halves():
+    ms = pymeshlab.MeshSet()
+    for i, z in enumerate([(None, 20), (None, 20), (None, None)]):
+        add(ms, *cut(z), f"p_{i}")
+    ((names, text),) = openings_said(ms.apply_filter(PREPARE, all_visible=True))
+    assert names == ["p_2"] and '"p_2" none, the others 1.' in text
+    ms = pymeshlab.MeshSet()
+    for i, z in enumerate([(None, 20), (None, 20), (-20, 20), (-20, 20)]):
+        add(ms, *cut(z), f"p_{i}")
+    ((names, text),) = openings_said(ms.apply_filter(PREPARE, all_visible=True))
+    assert names == [f"p_{i}" for i in range(4)] and '"p_0", "p_1" 1, "p_2", "p_3" 2.' in text
+
+
+def test_equal_openings_and_missing_faces_are_no_matter():
+    ms = pymeshlab.MeshSet()
+    for i in range(3):
+        v, f = cut((-20, 20), 1 + 0.05 * i)
+        add(ms, v, np.delete(f, [i * 40 + 17], axis=0) if i else f, f"p_{i}")
+    assert openings_said(ms.apply_filter(PREPARE, all_visible=True)) == []
+    assert openings_said(ms.apply_filter(PREPARE, all_visible=True)) == []

@@ -375,7 +375,9 @@ def test_shapes_that_stand_out_are_named(tmp_path):
     log = model_log(shapes, faces, tmp_path)
     assert log.count("Warning") == 2
     assert re.search(r"Warning: shape 04: it is [\d.]+ times larger than most shapes", log)
-    assert re.search(r"Warning: shape 07: it lies [\d.]+ from the middle of the shapes", log)
+    assert re.search(
+        r"Warning: shape 07: it lies [\d.]+, in the mesh's unit, from the middle of the shapes", log
+    )
 
 
 def test_no_phase_of_a_heart_stands_out(heart, tmp_path):

@@ -183,3 +183,18 @@ def test_shapes_that_are_identical(cycle):
     returned = other.apply_filter(MODEL, modes=5)
     assert ("", "identicalShapes") in said(returned)
     assert {"Note"} == {r["kind"] for r in remarks(returned) if r["message"] == "fewerModes"}
+
+
+def test_a_warning_of_several_layers_lists_them():
+    ms = pymeshlab.MeshSet()
+    vertices, faces = egg()
+    for i in range(4):
+        add(ms, vertices * (10 if i > 1 else 1) * (1 + 0.01 * i), faces, f"s{i}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    (remark,) = [r for r in remarks(ms.apply_filter(PROPAGATE)) if "half" in r["message"]]
+    assert remark["layers"] == ["s2", "s3"] and remark["layer"] == remark["subject"] == ""
+    ms = changed(small_cycle(3), 1, lambda v: v + [500, 0, 0])
+    (remark,) = remarks(ms.apply_filter(PROPAGATE))
+    assert remark["layers"] == ["phantom cavity 01"]
+    assert remark["layer"] == remark["subject"] == "phantom cavity 01"

@@ -84,3 +84,77 @@ def test_reports_list_them(away, tmp_path):
     (table,) = page.warning_tables([run])
     assert table.rows == [["heart", "Robust", "away", row[4]]]
     assert page.warning_tables([report.Run("heart", result)]) == []
+
+
+def test_a_warning_of_several_surfaces_names_them():
+    names = ["a phase 0", "a phase 1"]
+    warning = sp.SpherePropagationWarning.of("a phases 0, 1", "they touch.", names, "touch")
+    assert str(warning) == "a phases 0, 1: they touch."
+    assert (warning.layer, warning.layers) == ("", tuple(names))
+    assert (warning.subject, warning.said) == ("a phases 0, 1", "they touch.")
+    copy = pickle.loads(pickle.dumps(warning))
+    assert (str(copy), copy.layers, copy.said) == (str(warning), warning.layers, warning.said)
+    one = sp.SpherePropagationWarning("b: it is flat.", "b")
+    assert (one.layers, one.subject, one.said) == (("b",), "b", "it is flat.")
+
+
+@pytest.fixture
+def in_two_units(cycle):
+    """The second half of six surfaces in cm; six are needed for a model to tell."""
+    surfaces = [
+        sp.Surface(s.vertices * (0.1 if i > 2 else 1) * (1 - 0.01 * i), s.faces, f"s{i}")
+        for i, s in enumerate([cycle.surfaces[i % 3] for i in range(6)])
+    ]
+    return surfaces
+
+
+def test_halves_of_two_units_are_named_alike_and_none_accused(in_two_units):
+    with pytest.warns(sp.SpherePropagationWarning) as warned:
+        found = sp.correspond(in_two_units, root=0, frequency=4)
+        sp.shape_model(found.landmarks, found.landmark_faces, [s.name for s in in_two_units])
+    of_sizes = [w.message for w in warned if w.message.message.startswith("halfOf")]
+    assert [w.message for w in of_sizes] == ["halfOfLayersLarger", "halfOfShapesLarger"]
+    assert {w.layers for w in of_sizes} == {("s0", "s1", "s2")}
+    assert "(mm beside cm?)" in str(of_sizes[0]) and "(mm beside cm?)" in str(of_sizes[1])
+    turned = in_two_units[::-1]
+    with pytest.warns(sp.SpherePropagationWarning) as warned:
+        sp.correspond(turned, root=0, frequency=4)
+    (half,) = (w.message for w in warned if w.message.message.startswith("halfOf"))
+    assert set(half.layers) == {"s0", "s1", "s2"}
+
+
+def test_a_model_says_of_sizes_only_what_is_new(in_two_units):
+    with pytest.warns(sp.SpherePropagationWarning):
+        found = sp.correspond(in_two_units, root=0, frequency=4)
+    names = [s.name for s in in_two_units]
+
+    def said(before):
+        with attention.collected() as told, attention.after(before), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            sp.shape_model(found.landmarks, found.landmark_faces, names)
+        return [w.message for w in told]
+
+    assert said(found.warnings) == []
+    assert said([]) == ["halfOfShapesLarger"]
+    assert said([w for w in found.warnings if w.message == "farOff"]) == ["halfOfShapesLarger"]
+
+
+def test_every_layer_gets_its_mark_in_tables(in_two_units):
+    with pytest.warns(sp.SpherePropagationWarning):
+        result = sp.correspond(in_two_units, root=0, frequency=4)
+    run = report.Run("heart", result, warnings=result.warnings)
+    marked = [row["warnings"] for row in report.rows(run)]
+    assert ["halfOfLayersLarger" in mark for mark in marked] == [True] * 3 + [False] * 3
+    (row,) = (r for r in report.warning_rows([run]) if r[3] == "halfOfLayersLarger")
+    assert row[2] == "s0; s1; s2"
+    (table,) = page.warning_tables([run])
+    assert ["heart", "Robust", "", row[4]] in table.rows
+
+
+def test_the_truth_has_a_column_where_it_is_known(away, tmp_path):
+    with pytest.warns(sp.SpherePropagationWarning):
+        result = sp.correspond(away, root=0, frequency=2)
+    for errors in (None, np.zeros(3)):
+        report.write_csv(tmp_path / "f.csv", [report.Run("heart", result, errors)])
+        header = (tmp_path / "f.csv").read_text().splitlines()[0].split(",")
+        assert ("error_mm" in header) == (errors is not None)

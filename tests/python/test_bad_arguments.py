@@ -3,11 +3,15 @@
 PyMeshLab's."""
 
 import inspect
+import warnings
 from functools import partial
 
 import numpy as np
+import pymeshlab
 import pytest
 import sphere_propagation as sp
+from sphere_propagation import plugin
+from sphere_propagation.parameters import FLAGS
 
 VALUES = ["x", None, [1, 2], float("nan"), -1, 1.5, 10**30, object(), {}, np.array([1, 2]), [[1]]]
 
@@ -94,3 +98,43 @@ def test_a_choice_that_is_none_is_named_with_its_parameter(job):
 def test_a_surface_without_vertices_is_named():
     with pytest.raises(sp.InputError, match="has no vertices"):
         sp.prepare((np.zeros((0, 3)), np.zeros((0, 3), int)))
+
+
+def test_true_is_no_number(job):
+    first, *_ = surfaces = job.surfaces
+    for call in (
+        lambda: sp.correspond(surfaces, frequency=True),
+        lambda: sp.correspond(surfaces, area_weight=np.True_),
+        lambda: sp.correspond(surfaces, root=False),
+        lambda: sp.remesh(surfaces, job.maps, frequency=True),
+        lambda: sp.remesh(surfaces, job.maps, threads=True),
+        lambda: sp.propagate(surfaces, job.root_map, parents=[True, -1], order="Given"),
+        lambda: sp.shape_model(job.landmarks, job.landmark_faces, modes=True),
+        lambda: sp.parameterise_root(first, area_weight=True),
+        lambda: sp.make_phantom(phases=True),
+    ):
+        with pytest.raises(sp.InputError, match="True|False"):
+            call()
+
+
+def test_flags_are_those_of_the_filters():
+    meshes = pymeshlab.MeshSet()
+    meshes.create_cube()
+    for name in plugin.filters():
+        for key, value in meshes.filter_parameter_values(name).items():
+            assert isinstance(value, bool) == (key in FLAGS) or key not in FLAGS, (name, key)
+
+
+def test_the_advice_is_for_python(job):
+    with pytest.raises(sp.InputError, match="takes two or more"):
+        sp.correspond(job.surfaces[:1])
+    with pytest.raises(sp.FilterError, match='^Surface ".*Give two surfaces or more.$'):
+        sp.propagate(job.surfaces[:1], job.root_map)
+    flipped = [m.positions[::-1] for m in job.maps]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(sp.FilterError, match="^No surface has a valid map") as refused:
+            sp.remesh(job.surfaces, flipped)
+    assert "Run" not in str(refused.value)
+    with pytest.raises(sp.FilterError, match=r"parameterise_root\(surface\) makes one.$"):
+        sp.propagate(job.surfaces, flipped[0])

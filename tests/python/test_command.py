@@ -521,9 +521,9 @@ def test_a_mirrored_mesh_gets_advice_in_the_commands_words(cycle, tmp_path, caps
     arguments = ["run", folder, "-o", out, "--root", 0, "--frequency", 2, "--no-pictures"]
     assert run(*arguments) == 0
     said = capsys.readouterr().err
-    assert "with --mirror-layers, which reflects it" in said and "mirror_layers" not in said
+    assert "--mirror-layers reflects it" in said and "mirror_layers" not in said
     texts = [row["text"] for row in warned(out) if row["message"] == "mirrorImage"]
-    assert len(texts) == 1 and "with --mirror-layers," in texts[0]
+    assert len(texts) == 1 and "--mirror-layers reflects" in texts[0]
 
 
 def test_an_open_mesh_is_prepared_on_request(heart, tmp_path, capsys):
@@ -537,7 +537,9 @@ def test_an_open_mesh_is_prepared_on_request(heart, tmp_path, capsys):
     said = capsys.readouterr().err
     assert "run --prepare closes it" in said and "sp." not in said
     assert run(*arguments, "--prepare") == 0
-    assert re.search(r"warning: open: it was prepared: .*close_openings 1", capsys.readouterr().err)
+    assert re.search(
+        r"warning: open: it was prepared: .* 1 opening closed", capsys.readouterr().err
+    )
     assert [row["layer"] for row in warned(out) if row["message"] == "prepared"] == ["open"]
     assert run(*arguments, "--remove-handles") == 2
 

@@ -223,7 +223,8 @@ def test_slices_of_different_bodies_are_moved_apart(tmp_path):
     for p in range(4):
         (tmp_path / f"p_{p}.nii").write_bytes(volume_files.nifti(labels[..., p].copy(), THICK))
     together, said = aligned(tmp_path / "p_0.nii", file_series=True)
-    assert not said
+    parts = "aligned apart: p_0 label 1, p_1 label 1; p_2 label 1, p_3 label 1."
+    assert len(said) == 1 and said[0].endswith(parts)
     for first in (0, 2):
         (tmp_path / "own.nii").write_bytes(
             volume_files.nifti(labels[..., first : first + 2].copy(), THICK)
@@ -231,9 +232,8 @@ def test_slices_of_different_bodies_are_moved_apart(tmp_path):
         for a, b in zip(together[first : first + 2], aligned(tmp_path / "own.nii")[0]):
             assert np.array_equal(a.vertices, b.vertices)
     (tmp_path / "all.nii").write_bytes(volume_files.nifti(labels, THICK))
-    assert any(
-        "aligned apart: phases 0, 1; phases 2, 3" in s for s in aligned(tmp_path / "all.nii")[1]
-    )
+    parts = "aligned apart: all label 1 phases 00, 01; all label 1 phases 02, 03."
+    assert any(s.endswith(parts) for s in aligned(tmp_path / "all.nii")[1])
 
 
 def test_slices_that_lie_otherwise_in_some_phases_are_named(tmp_path):
@@ -249,8 +249,8 @@ def test_slices_that_lie_otherwise_in_some_phases_are_named(tmp_path):
     surfaces, said = aligned(path)
     assert len(said) == 1
     assert (
-        "otherwise in some phases than in the others: slice 6 in phase 1 (counted from 0)"
-        in said[0]
+        "otherwise in some phases than in the others: slice 6 in some label 1 phase 01 (slices are "
+        "counted from 0)" in said[0]
     )
     for surface in surfaces:
         assert np.ptp(surface.vertices[:, 0]) < 42  # in line
@@ -527,3 +527,20 @@ def test_names_beyond_ascii_in_every_locale(run_python, tmp_path, locale):
         LC_ALL=locale,
     )
     assert found.stdout.splitlines() == ["'\\xfc label 1' '\\xe9'"] * 2 + ["True"], found.stderr
+
+
+def test_skipping_phases_is_advised_where_some_have_the_label(tmp_path):
+    x, y, z = np.indices((24, 24, 24)) - 12
+    labels = np.zeros((24, 24, 24, 3), np.uint8)
+    labels[(x**2 + y**2 + z**2 < 64)] = 1
+    labels[..., 2][labels[..., 2] > 0] = 2
+    path = tmp_path / "some.nii"
+    path.write_bytes(volume_files.nifti(labels, np.eye(4)))
+    series = [tmp_path / f"s_{p}.nii" for p in range(3)]
+    for p, file in enumerate(series):
+        file.write_bytes(volume_files.nifti(labels[..., p].copy(), np.eye(4)))
+    for label, advised in (("1", True), ("2", True), ("3", False)):
+        for file, more in ((path, {}), (series[0], {"file_series": True})):
+            with pytest.raises(sp.FilterError, match="No voxel has label") as refused:
+                sp.read_label_volume(file, labels=label, **more)
+            assert ("skip_incomplete_phases" in str(refused.value)) == advised

@@ -103,3 +103,33 @@ def test_nameless_ones_are_numbered(heart):
     assert names == ["surface 0", heart.name, "surface 2"]
     assert [s.name for s in as_surfaces({"a": prepared, "b": prepared})] == ["a", "b"]
     assert as_surfaces([prepared, heart])[0] is prepared.surface
+
+
+def test_other_numbers_of_openings_are_named(heart):
+    """Each is prepared by itself; what comes after tells."""
+    surfaces = []
+    for i in range(4):
+        corners = heart.vertices[heart.faces][:, :, 2]
+        keep = corners.max(1) < np.quantile(heart.vertices[:, 2], 0.8)
+        if i == 2:
+            keep &= corners.min(1) > np.quantile(heart.vertices[:, 2], 0.15)
+        scaled = sp.Surface(heart.vertices * (1 + 0.02 * i), heart.faces[keep], f"p_{i}")
+        surfaces.append(sp.prepare(scaled).surface)
+    with pytest.warns(sp.SpherePropagationWarning) as warned:
+        sp.correspond(surfaces, root=0, frequency=4)
+    (differ,) = (w.message for w in warned if w.message.message == "openingsDiffer")
+    assert differ.layers == ("p_2",) and '"p_2" 2, the others 1.' in str(differ)
+
+
+def test_the_advice_is_for_python(heart):
+    with pytest.warns(sp.SpherePropagationWarning) as warned:
+        sp.prepare(opened(heart), close_openings=False)
+    (left,) = (w.message for w in warned)
+    assert str(left).endswith("Prepare it with the steps that were left out.")
+    inner = heart.vertices * 0.7
+    faces = heart.faces[heart.vertices[heart.faces][:, :, 2].max(1) < 10]
+    wall = sp.Surface(
+        np.vstack([heart.vertices, inner]), np.vstack([faces, faces + len(inner)]), "wall"
+    )
+    with pytest.warns(sp.SpherePropagationWarning, match="Prepare it with join_shells=True"):
+        sp.prepare(wall)
