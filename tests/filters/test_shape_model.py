@@ -660,7 +660,7 @@ def test_many_that_stand_out_are_one_warning():
     ms = pymeshlab.MeshSet()
     for k in range(40):
         points = shapes[k % 5] * (1 + 0.01 * rng.standard_normal())
-        if k >= 20:
+        if k >= 21:
             points = points / 10
         elif k % 4 == 1:
             points = rng.permutation(points)
@@ -669,7 +669,7 @@ def test_many_that_stand_out_are_one_warning():
     assert sorted(r["message"] for r in remarks) == ["shapesStandOut", "sizesStandOut"]
     text = {r["message"]: r["text"] for r in remarks}
     sizes, away = text["sizesStandOut"], text["shapesStandOut"]
-    assert "20 shapes of 40" in sizes and '"case 20"' in sizes and "10 more" in sizes
+    assert "19 shapes of 40" in sizes and '"case 21"' in sizes and "9 more" in sizes
     assert "times smaller" in sizes and "cm among mm" in sizes
     assert "5 shapes of 40" in away and '"case 17"' in away
 
