@@ -3,6 +3,6 @@
 
 import sys
 
-from .command import main
+from _sphere_propagation_command import main
 
 sys.exit(main())

@@ -11,7 +11,7 @@ import numpy as np
 from . import files, readers
 from .attention import warn
 from .errors import FileError, InputError
-from .surface import Surface
+from .surface import Surface, count_others
 
 
 class Job(NamedTuple):
@@ -75,7 +75,7 @@ def convert(jobs: Sequence[Job], space: str, say: Callable[[str], None]) -> Dict
             f"triangles, {f'open at {opened} edges' if opened else 'closed'}"
         )
     if silent and not space:
-        others = f" (and {len(silent) - 1} others)" if len(silent) > 1 else ""
+        others = f" (and {count_others(len(silent) - 1)})" if len(silent) > 1 else ""
         warn(
             f"{silent[0]}{others} does not say whether it is in RAS or LPS, and is taken to be in "
             "RAS: --space lps for the other."

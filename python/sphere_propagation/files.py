@@ -19,7 +19,7 @@ from .errors import FileError, InputError
 from .parameters import path_of
 from .results import LIST as RESULTS
 from .sphere_map import SphereMap
-from .surface import Surface, array_of
+from .surface import Surface, array_of, count_others
 from .turns import turn
 
 SUFFIXES = (*readers.OF_MESHLAB, *readers.SUFFIXES)
@@ -271,7 +271,7 @@ def warn_of_frames(surfaces: Sequence[Surface]) -> None:
     silent = [surface.name for surface in surfaces if not surface.space]
     telling = [surface.name for surface in surfaces if surface.space]
     if silent and telling:
-        others = f" (and {len(silent) - 1} others)" if len(silent) > 1 else ""
+        others = f" (and {count_others(len(silent) - 1)})" if len(silent) > 1 else ""
         warn(
             f"{silent[0]}{others} does not say whether it is in RAS or LPS, as {telling[0]} does: "
             "all are taken to be in RAS."

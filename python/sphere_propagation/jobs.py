@@ -24,7 +24,7 @@ from .preparation import prepare, steps_in_words
 from .progress import Lines
 from .provenance import Provenance, provenance
 from .results import ResultFolder
-from .surface import Surface, distinct_names
+from .surface import Surface, count_others, distinct_names
 from .units import DEFAULT_UNIT
 from .views import Row
 
@@ -118,7 +118,7 @@ def _require_one_kind(paths: Sequence[Path], choices: Choices) -> None:
 
 
 def _some(paths: Sequence[Path]) -> str:
-    return paths[0].name + (f" and {len(paths) - 1} others" if len(paths) > 1 else "")
+    return paths[0].name + (f" and {count_others(len(paths) - 1)}" if len(paths) > 1 else "")
 
 
 def _run_files(
@@ -168,7 +168,7 @@ def _run_files(
     )
     results = ResultFolder(folder)
     results.create()  # before the work, not after
-    unit = choices.unit or DEFAULT_UNIT
+    unit = DEFAULT_UNIT if choices.unit is None else choices.unit
     result = correspond_by(choices.parameters, surfaces, progress=steps, unit=unit)
     labels = all(map(files.is_label_volume, paths))
     row = Row(name, result, phases=phases)

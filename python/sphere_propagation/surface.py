@@ -96,6 +96,11 @@ def counted(things: Sequence, noun: str) -> str:
     return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
 
 
+def count_others(count: int) -> str:
+    """ "1 other", "2 others"."""
+    return f"{count} other{'' if count == 1 else 's'}"
+
+
 def array_of(what: str, values: Any) -> np.ndarray:
     """Whatever numpy takes for an array; `what` it is, for errors."""
     try:

@@ -6,6 +6,8 @@ import csv
 import hashlib
 import json
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -124,6 +126,7 @@ def test_the_unit_is_a_word_everywhere(shapes, tmp_path, capsys):
         assert file["unit"] == "cm"
     assert run("run", shapes, "-o", out, "--unit", "square mm", *QUICKLY) == 2
     assert "error: --unit must be a short word" in capsys.readouterr().err
+    assert run("run", shapes, "-o", out, "--unit", "", *QUICKLY) == 2
 
 
 def test_volumes_and_meshes_are_not_mixed_unless_it_is_said(shapes, tmp_path, capsys):
@@ -150,6 +153,21 @@ def test_volumes_of_one_name_are_called_by_their_folders(tmp_path):
     assert run("run", tmp_path / "in", "-o", tmp_path / "out", *QUICKLY) == 0
     made = sorted(path.name for path in (tmp_path / "out/in/surfaces").iterdir())
     assert [name[:2] for name in made] == ["p1", "p2"] and "seg" not in made[0]
+
+
+def test_one_other_is_no_others(shapes, tmp_path, capsys):
+    volume = tmp_path / "scan.nii.gz"
+    sp.write_nifti(volume, *sp.Ventricle("Cavity", 2).scan())
+    (shapes / "fly.ply").unlink()
+    assert run("run", shapes, volume, "-o", tmp_path / "out", *QUICKLY) == 2
+    assert "meshes (ant.ply and 1 other)" in capsys.readouterr().err
+
+
+def test_the_module_ends_quietly_when_nobody_reads_on():
+    """As the command: `python -m sphere_propagation ... | head`."""
+    command = f"'{sys.executable}' -m sphere_propagation info | true"
+    found = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    assert "Traceback" not in found.stderr and "Error" not in found.stderr
 
 
 def words_of(figure_words, monkeypatch):
