@@ -144,7 +144,7 @@ TEST(AreaSchedule, EndsWithoutAShapeTerm) {
 /// Every allocation fails once: what was thrown reaches the caller from whichever thread, and the
 /// minimiser works on.
 TEST(AreaMinimiser, OutOfMemoryIsAnException) {
-  if (!FailingAllocation::possible) GTEST_SKIP() << "the sanitizer has its own operator new";
+  if (!FailingAllocation::possible()) GTEST_SKIP() << "the sanitizer has its own operator new";
   const Mesh mesh = blob(32, 0.3, 5);  // more faces than one thread takes
   ASSERT_GT(mesh.faces.rows(), ThreadPool::worthwhile);
   const ClosedSurface surface(mesh.vertices, mesh.faces);

@@ -2,17 +2,15 @@
 #pragma once
 /// Running out of memory on purpose.
 
+#include "tests/core/sizes.h"
+
 namespace sphere_propagation::test {
 
 /// While it lives, the n-th `operator new` of any thread fails (0: the next), once.
 class FailingAllocation {
  public:
-  /// Sanitizers replace `operator new` by their own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  static constexpr bool possible = false;
-#else
-  static constexpr bool possible = true;
-#endif
+  /// Not where a sanitizer replaces `operator new` by its own.
+  static bool possible() { return !underSanitizer(); }
   explicit FailingAllocation(long n);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/core/limb_meshes.h"
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/sphere/map_measures.h"
 
@@ -49,16 +50,16 @@ std::vector<NamedMesh> stubbornMeshes() {
   for (int f = 0; f < 60; ++f)  // a tenth of the vertices moved onto a neighbour
     collapsed.vertices.row(collapsed.faces(21 * f, 0)) =
         collapsed.vertices.row(collapsed.faces(21 * f, 1));
-  return {{"flattened", ellipsoid(30, 20, 0)},
-          {"needle", ellipsoid(1000, 1, 1)},
+  return {{"flattened", ellipsoid(30, 20, 0, sizeFor(8, 4))},
+          {"needle", ellipsoid(1000, 1, 1, sizeFor(8, 4))},
           {"duplicate vertices", collapsed},
-          {"box", box(6)},
-          {"long box", stretched(box(6), 100, 1, 1)},
-          {"flat box", stretched(box(6), 1, 1, 0.01)},
-          {"long flat box", stretched(box(6), 100, 1, 0.01)},
-          {"vertices of valence 200", bipyramid(200)},
+          {"box", box(sizeFor(6, 3))},
+          {"long box", stretched(box(sizeFor(6, 3)), 100, 1, 1)},
+          {"flat box", stretched(box(sizeFor(6, 3)), 1, 1, 0.01)},
+          {"long flat box", stretched(box(sizeFor(6, 3)), 100, 1, 0.01)},
+          {"vertices of high valence", bipyramid(sizeFor(200, 50))},
           {"faces of very different sizes", rings(1e-6)},
-          {"thin cup", cup(0.02, 30, 12)}};
+          {"thin cup", cup(0.02, sizeFor(30, 16), sizeFor(12, 6))}};
 }
 
 TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
@@ -131,7 +132,9 @@ TEST(RootMap, AutomaticIsHierarchical) {
 
 TEST(RootMap, WorksAtAnyScale) {
   const Mesh mesh = noisyEllipsoid(3);
-  for (const double scale : {1e-100, 1e-30, 1e-6, 1e30, 1e100})
+  std::vector<double> scales{1e-100, 1e100, 1e-30, 1e-6, 1e30};
+  scales.resize(static_cast<size_t>(sizeFor(5, 2)));
+  for (const double scale : scales)
     for (const InitialMap start : starts) {
       const ClosedSurface surface(scale * mesh.vertices, mesh.faces);
       const MapMeasures measures =
@@ -169,12 +172,13 @@ TEST(RootMap, FallsBackToTheHierarchicalStartForLimbs) {
 }
 
 TEST(RootMap, OfLimbsBranchesSheetsAndCoils) {
-  for (const NamedMesh& named : std::vector<NamedMesh>{{"limbs", limbs(10, 1)},
-                                                       {"bare limbs", tetrapod(80)},
-                                                       {"tree", tree(2, 4, 1)},
-                                                       {"disc", disc(16)},
-                                                       {"coil", coil(2, 12, 80)},
-                                                       {"branches on branches", tree(4, 3, 1)}}) {
+  for (const NamedMesh& named :
+       std::vector<NamedMesh>{{"limbs", limbs(sizeFor(10, 4), 1)},
+                              {"bare limbs", tetrapod(sizeFor(80, 20))},
+                              {"tree", tree(2, sizeFor(4, 2), 1)},
+                              {"disc", disc(sizeFor(16, 8))},
+                              {"coil", coil(2, 12, 80)},
+                              {"branches on branches", tree(sizeFor(4, 3), 3, sizeFor(1, 0))}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
     const RootMapResult result = makeRootMap(surface);  // valid by type
     EXPECT_EQ(result.failures, "") << named.name;

@@ -93,7 +93,7 @@ TEST(ThreadPool, ThrowsTheFailureOfTheFirstRangeAndWorksOn) {
 }
 
 TEST(ThreadPool, LoopsAllocateNothing) {
-  if (!FailingAllocation::possible) GTEST_SKIP() << "the sanitizer has its own operator new";
+  if (!FailingAllocation::possible()) GTEST_SKIP() << "the sanitizer has its own operator new";
   ThreadPool pool(3);
   const auto ranges = [&] { pool.forRanges(100000, [](int, int) {}); };
   const auto sum = [&] { return pool.sum(100000, [](int, int) { return 1.0; }); };
@@ -106,7 +106,7 @@ TEST(ThreadPool, LoopsAllocateNothing) {
 }
 
 TEST(ThreadPool, ComesUpWithFewerThreadsOrAnErrorWhenMemoryRunsOut) {
-  if (!FailingAllocation::possible) GTEST_SKIP() << "the sanitizer has its own operator new";
+  if (!FailingAllocation::possible()) GTEST_SKIP() << "the sanitizer has its own operator new";
   int errors = 0, fewer = 0;
   for (long n = 0;; ++n) {
     try {
@@ -128,9 +128,9 @@ TEST(ThreadPool, ComesUpWithFewerThreadsOrAnErrorWhenMemoryRunsOut) {
 
 /// In a process of its own, of a user who may have no more threads.
 TEST(ThreadPool, DoesWithTheThreadsThatTheSystemGives) {
-#ifdef __SANITIZE_THREAD__
-  GTEST_SKIP() << "the thread sanitizer knows no threads after a fork";
-#endif
+  if (test::underThreadSanitizer()) {
+    GTEST_SKIP() << "the thread sanitizer knows no threads after a fork";
+  }
   const auto inAProcessThatMayHaveNoThreads = [] {
     const rlimit none{0, 0};
     if (setrlimit(RLIMIT_NPROC, &none) != 0) _exit(2);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/core/limb_meshes.h"
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/root_map/harmonic_map.h"
 #include "vcg_ext/sphere/certificate.h"
@@ -90,7 +91,7 @@ TEST(Untangling, GrowsTheRingWhereOneIsNotEnough) {
 }
 
 TEST(Untangling, TakesFewRoundsWhereLimbsAreLongAndTellsItsProgress) {
-  const Mesh mesh = limbs(8, 3);
+  const Mesh mesh = limbs(8, sizeFor(3, 2));
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   std::vector<double> reports;  // one a round
   EXPECT_THROW(untangle(surface, harmonicPositions(surface), std::numeric_limits<int>::max(),
@@ -104,7 +105,7 @@ TEST(Untangling, TakesFewRoundsWhereLimbsAreLongAndTellsItsProgress) {
 }
 
 TEST(Untangling, GrowsNoFartherThanItMay) {
-  const Mesh mesh = limbs(8, 3);
+  const Mesh mesh = limbs(8, sizeFor(3, 2));
   const ClosedSurface surface(mesh.vertices, mesh.faces);
   const Points positions = harmonicPositions(surface);  // no local repair helps
   for (const int rings : {0, 1, 2, 3, 4}) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/mesh/closed_surface.h"
@@ -28,7 +29,7 @@ VentriclePhantom phantom(Part part, unsigned seed = 0, double twist = 0, double 
 /// Volume inside the sheet m between the apex and the height `top`, by slices: the area of the
 /// outline at each height.
 double analyticVolume(const VentriclePhantom& ventricle, double phase, double m, double top) {
-  constexpr int rows = 400, columns = 400;
+  const int rows = test::sizeFor(400, 100), columns = rows;
   double volume = 0, before = 0, heightBefore = ventricle.position(0, 0, phase, m)[2];
   for (int r = 1; r < rows; ++r) {
     const double u = static_cast<double>(r) / (rows - 1);
@@ -124,9 +125,9 @@ TEST(VentriclePhantom, HasTheVoxelsAndMeshesOfThePythonYardstick) {
 
 TEST(VentriclePhantom, IsClosedOfGenusZeroInEveryPhase) {
   for (const Part part : {Part::Cavity, Part::Wall})
-    for (unsigned seed = 0; seed < 6; ++seed) {
-      const VentriclePhantom ventricle = phantom(part, seed);
-      for (int phase = 0; phase < 25; phase += seed == 0 ? 1 : 9) {
+    for (int seed = 0; seed < test::sizeFor(6, 1); ++seed) {
+      const VentriclePhantom ventricle = phantom(part, static_cast<unsigned>(seed));
+      for (int phase = 0; phase < 25; phase += seed == 0 ? test::sizeFor(1, 6) : 9) {
         const PhantomMesh mesh = ventricle.mesh(phase);
         EXPECT_NO_THROW(ClosedSurface(mesh.vertices, mesh.faces))
             << "seed " << seed << ", phase " << phase;
