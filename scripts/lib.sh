@@ -3,7 +3,7 @@
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build library core plugin volumes gui benchmarks python pymeshlab
-#                                  pictures format lint cache meshlab (2020.09, and what its GUI needs without
+#                                  pictures browser format lint cache meshlab (2020.09, and what its GUI needs without
 #                                  a display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
@@ -66,6 +66,7 @@ packages_for() {
       python)     if ! have_usable_python; then echo python3-venv; fi ;;
       pymeshlab)  echo libgl1 libopengl0 ;;
       pictures)   echo libegl1 ;;
+      browser)    echo chromium ;;
       meshlab)    echo meshlab xvfb xauth libgl1-mesa-dri ;;
       format)     echo clang-format ;;
       cache)      echo ccache ;;

@@ -24,6 +24,7 @@ from .errors import (
     SpherePropagationError,
     SpherePropagationWarning,
 )
+from .explorer import Explorer, explore
 from .files import mesh_files, read_map, read_mesh, read_meshes, write_ply
 from .filters import (
     LabelSurfaces,
@@ -39,6 +40,7 @@ from .filters import (
     shape_model,
 )
 from .model import ShapeModel
+from .model_files import read_model
 from .nifti import write_nifti
 from .phantom import Ventricle
 from .preparation import PreparedSurface, prepare
@@ -49,6 +51,7 @@ from .version import version as _version
 
 __all__ = [
     "Correspondence",
+    "Explorer",
     "FileError",
     "FilterError",
     "InputError",
@@ -65,6 +68,7 @@ __all__ = [
     "Ventricle",
     "correspond",
     "evaluate",
+    "explore",
     "make_phantom",
     "map_colors",
     "mesh_files",
@@ -75,6 +79,7 @@ __all__ = [
     "read_map",
     "read_mesh",
     "read_meshes",
+    "read_model",
     "remesh",
     "shape_model",
     "warnings_of",

@@ -16,6 +16,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from . import (
     conversion,
+    explorer,
     filters,
     gallery,
     jobs,
@@ -161,6 +162,15 @@ def _convert(options, make_progress) -> int:
         count = len(planned.jobs) + len(planned.refused)
         print(f"{count - len(failed)} of {count} converted", file=sys.stderr)
     return int(bool(failed))
+
+
+def _explore(options, make_progress) -> int:
+    page = explorer.explore(
+        options.model, unit=options.unit, modes=options.modes, cyclic=options.cyclic
+    )
+    output = options.output or Path(options.model).with_name("explore.html")
+    print(f"{page.about}\n{page.save(output)}: open it in a browser")
+    return 0
 
 
 def _info(options, make_progress) -> int:
@@ -405,6 +415,38 @@ def parser() -> argparse.ArgumentParser:
     )
     convert.add_argument("--overwrite", action="store_true", help="replace files that are there")
     convert.set_defaults(action=_convert)
+
+    explore = actions.add_parser(
+        "explore",
+        help="a shape model on one page: sliders, distances as colours, landmarks to drag",
+        description="Writes one HTML page, with everything inside, to explore a shape model.",
+        **_examples(
+            ("sphere-propagation explore results/heart/model.npz --cyclic", "a heart cycle"),
+        ),
+    )
+    explore.add_argument("model", metavar="FILE", help="model.npz, as `run` leaves it")
+    explore.add_argument(
+        "-o",
+        "--output",
+        metavar="PAGE",
+        help="what is written (default: explore.html beside the model)",
+    )
+    explore.add_argument(
+        "--modes",
+        type=_number(int, 1),
+        default=30,
+        metavar="N",
+        help="how many of the first the page has, at most (default: %(default)s)",
+    )
+    explore.add_argument(
+        "--cyclic", action="store_true", help="the first shape follows the last, as in a heart"
+    )
+    explore.add_argument(
+        "--unit",
+        metavar="UNIT",
+        help="of lengths (default: what landmarks.npz beside the model says, else mm)",
+    )
+    explore.set_defaults(action=_explore)
 
     info = actions.add_parser(
         "info",

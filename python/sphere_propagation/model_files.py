@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Shape models from files."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Dict, List, Optional, Tuple
+
+import numpy as np
+
+from .errors import FileError
+from .model import ShapeModel
+from .parameters import path_of
+
+NEEDED = ("mean", "modes", "eigenvalues", "scores", "faces")
+
+
+def read_model(path) -> ShapeModel:
+    """A shape model as `shape_model(export_file="model.npz")` and `run` leave it.
+
+    The file says nothing of names, which are those in landmarks.npz beside it, where `run` put it,
+    else "shape 0" and so on; nor of modes that were left out: total_variance is that of its own,
+    and compactness and variance_share are all figures.
+    """
+    path = path_of(path)
+    found = _arrays(path)
+    missing = [name for name in NEEDED if name not in found]
+    if missing:
+        raise FileError(
+            f"{path} is no shape model: it has no {' and no '.join(missing)}. Models are what "
+            'shape_model(…, export_file="model.npz") and `sphere-propagation run` write.'
+        )
+    mean, modes, eigenvalues, scores, faces = (found[name] for name in NEEDED)
+    fits = (
+        mean.ndim == 2
+        and len(mean) > 0
+        and mean.shape[1] == 3
+        and scores.ndim == 2
+        and eigenvalues.shape == scores.shape[1:]
+        and modes.shape == (len(eigenvalues), *mean.shape)
+        and faces.ndim == 2
+        and faces.shape[1] == 3
+        and faces.dtype.kind in "iu"
+        and all(values.dtype.kind in "fiu" for values in (mean, modes, eigenvalues, scores))
+    )
+    if not fits:
+        shapes = ", ".join(f"{name} {found[name].shape}" for name in NEEDED)
+        raise FileError(f"{path} is no shape model: its arrays do not fit together ({shapes}).")
+    if faces.size and not 0 <= faces.min() <= faces.max() < len(mean):
+        raise FileError(f"{path} is no shape model: a face names a landmark that is not there.")
+    if not all(np.isfinite(values).all() for values in (mean, modes, eigenvalues, scores)):
+        raise FileError(f"{path} is no shape model: some of its numbers are infinite or NaN.")
+    if (eigenvalues < 0).any():
+        raise FileError(f"{path} is no shape model: an eigenvalue is negative.")
+    compactness = np.cumsum(eigenvalues, dtype=float)
+    total = float(compactness[-1]) if len(eigenvalues) else 0.0
+    names, _ = beside(path)
+    return ShapeModel(
+        mean,
+        modes,
+        eigenvalues,
+        scores,
+        faces.astype(np.int32),
+        names if len(names) == len(scores) else [f"shape {k}" for k in range(len(scores))],
+        total,
+        {"compactness": compactness, "variance_share": compactness / (total or 1.0)},
+        found.get("lid"),
+    )
+
+
+def beside(path: Path) -> Tuple[List[str], Optional[str]]:
+    """Names of the shapes and their unit, as landmarks.npz beside a model has them; none where
+    there is no such file."""
+    try:
+        with np.load(path.with_name("landmarks.npz")) as file:
+            return [str(name) for name in file["names"]], str(file["unit"])
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        return [], None
+
+
+def _arrays(path: Path) -> Dict[str, np.ndarray]:
+    try:
+        with np.load(path) as file:  # which unpickles nothing
+            return {name: file[name] for name in file.files}
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+        raise FileError(f"{path} is no .npz file of NumPy, as shape models are.") from error
