@@ -72,6 +72,10 @@ class Browser:
             raise AssertionError(_words(found["exceptionDetails"]))
         return found["result"].get("value")
 
+    def drawn(self):
+        """Waits until what was changed is on the screen."""
+        self.run("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))")
+
     def drag(self, start, end, steps=4, shift=False):
         """With the left button, over pixels of the page."""
         more = {"modifiers": 8 if shift else 0, "button": "left", "clickCount": 1}
