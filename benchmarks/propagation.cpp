@@ -34,7 +34,7 @@ step cost. scripts/measure-propagation runs it on whole sets of data. Options:
   --order time|cyclic|similarity|star   default cyclic
   --root N          counted from 0; default 0
   --learn-from N    the fewest arcs that the prior of motion is learnt from; default 11
-  --smooth          fit all layers of a chain at once after its arcs, which is not the default
+  --arcs-alone      do not fit all layers of a chain at once after its arcs
   --kernels         what the kernels of the motion's fit cost beside Eigen's, and no more
   --threads N       0 = all; default 0
   --repeat N        take the least of N runs, after one that is not counted
@@ -68,8 +68,8 @@ Options optionsOf(const std::vector<std::string>& arguments) {
       options.root = std::stoi(value());
     } else if (word == "--learn-from") {
       options.parameters.motion.minArcsToLearnFrom = std::stoi(value());
-    } else if (word == "--smooth") {
-      options.parameters.motion.smooths = true;
+    } else if (word == "--arcs-alone") {
+      options.parameters.motion.smooths = false;
     } else if (word == "--kernels") {
       options.kernels = true;
     } else if (word == "--threads") {

@@ -158,7 +158,10 @@ class PropagationFilter : public host::Filter {
     if (propagated.learnt)
       task.say(messages::learnt, propagated.learnt->translation, propagated.learnt->strain,
                propagated.learnt->rotation);
-    if (parameters.closing && parameters.method == PropagationMethod::Robust)
+    if (propagated.smoothed > 0)
+      task.say(messages::allAtOnce, propagated.smoothed, tree.size() - 1);
+    if (parameters.closing && parameters.method == PropagationMethod::Robust &&
+        (propagated.averaged > 0 || propagated.smoothed == 0))
       task.say(messages::bothWays, propagated.averaged, tree.size() - 1);
     warnOfSides(task, participants, sides, mirrors);
     host::Outputs outputs = write(task, participants, propagated.layers);

@@ -95,27 +95,34 @@ TEST(MotionPropagation, GivesUpLayersThatItLosesButNotThoseBehind) {
       0.03);
 }
 
-TEST(MotionPropagation, SmoothsChainsOnRequestAndNothingElse) {
-  const Contraction sequence(6);
-  const auto smoothed = [&](const PropagationTree& tree) {
-    return sequence.follow(tree, {}, true).smoothed;
+TEST(MotionPropagation, FitsAllOfAChainAtOnceWhereAPriorIsLearnt) {
+  const Contraction sequence(12);
+  const auto smoothed = [&](const PropagationTree& tree, const std::optional<Arc>& closing = {}) {
+    return sequence.follow(tree, closing).smoothed;
   };
-  EXPECT_EQ(smoothed(timeOrder(6, 0)), 5);
-  EXPECT_EQ(smoothed(timeOrder(6, 2)), 5);
-  EXPECT_EQ(smoothed(cyclicTimeOrder(6, 0)), 5);
-  EXPECT_EQ(smoothed(star(6, 0)), 0);
-  EXPECT_EQ(sequence.follow(timeOrder(6, 0)).smoothed, 0);
+  EXPECT_EQ(smoothed(timeOrder(12, 0)), 11);
+  EXPECT_EQ(smoothed(timeOrder(12, 2)), 11);
+  EXPECT_EQ(smoothed(cyclicTimeOrder(12, 0), closingArc(12, 0)), 11);
+  EXPECT_EQ(smoothed(star(12, 0)), 0);
+  EXPECT_EQ(sequence.follow(timeOrder(12, 0), {}, false).smoothed, 0);
+  EXPECT_EQ(Contraction(11).follow(timeOrder(11, 0)).smoothed, 0);
 }
 
 TEST(MotionPropagation, AveragesBothWaysRoundACycle) {
   const Contraction sequence(12);
   const PropagationTree tree = cyclicTimeOrder(12, 0);
-  const FollowedMotion open = sequence.follow(tree),
-                       closed = sequence.follow(tree, closingArc(12, 0));
+  const FollowedMotion open = sequence.follow(tree, {}, false),
+                       closed = sequence.follow(tree, closingArc(12, 0), false),
+                       atOnce = sequence.follow(tree, closingArc(12, 0));
   EXPECT_FALSE(open.closing);
   ASSERT_TRUE(closed.closing);
   EXPECT_EQ(closed.closing->brought.positions(),
             open.layers[7]->transferred.map.positions());  // nothing averaged
+  ASSERT_TRUE(atOnce.closing);
+  EXPECT_EQ(atOnce.closing->carried.positions(), closed.closing->carried.positions());
+  EXPECT_EQ(atOnce.closing->brought.positions(), closed.closing->brought.positions());
+  EXPECT_GT(closed.averaged, 0);
+  EXPECT_EQ(closed.smoothed, 0);
   for (int t = 1; t < 12; ++t) {
     ASSERT_TRUE(closed.layers[t]) << t;
     const Points& found = closed.layers[t]->transferred.map.positions();
@@ -151,6 +158,7 @@ TEST(MotionPropagation, ACycleIsTheSameWithAnyNumberOfThreads) {
                                         closingArc(12, 0)),
                        b = followMotion(sequence.surfaces, rootMap, tree, several, {},
                                         closingArc(12, 0));
+  EXPECT_EQ(a.smoothed, 11);
   for (int t = 1; t < 12; ++t)
     EXPECT_EQ(a.layers[t]->transferred.map.positions(), b.layers[t]->transferred.map.positions());
   EXPECT_EQ(a.closing->carried.positions(), b.closing->carried.positions());

@@ -55,6 +55,7 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   Propagation result;
   result.learnt = followed.learnt;
   result.averaged = followed.averaged;
+  result.smoothed = followed.smoothed;
   result.layers =
       overArcs(task, part(progress, followingShare, 1), [&](int i, const PropagatedLayer& parent) {
         if (std::optional<FollowedLayer>& layer = followed.layers[static_cast<size_t>(i)]) {

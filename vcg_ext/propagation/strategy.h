@@ -47,6 +47,8 @@ struct Propagation {
   std::optional<MapDifference> closing = {};
   int averaged = 0;  ///< by method Robust in a closed cycle: layers whose motion is the average of
                      ///< both ways round
+  int smoothed = 0;  ///< by method Robust: layers whose motion was fitted to all of a chain or
+                     ///< cycle at once (motion_smoothing.h); not in `averaged`
   /// By method Robust, where there was enough to learn from (motion_learning.h).
   std::optional<MotionVariances> learnt = {};
 };

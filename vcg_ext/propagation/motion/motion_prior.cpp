@@ -18,6 +18,11 @@ MotionPrior MotionPrior::of(const MotionVariances& variances, double noise) {
   return {variances.diagonal().cwiseInverse().asDiagonal(), noise};
 }
 
+MotionPrior MotionPrior::withVariancesTimes(const MotionVariances& factors) const {
+  const Eigen::VectorXd share = factors.diagonal().cwiseSqrt().cwiseInverse();
+  return {share.asDiagonal() * precision * share.asDiagonal(), noise};
+}
+
 MotionPrior fixedMotionPrior() { return MotionPrior::of({1, 0.5, 1, 0.3}, 6); }
 
 }  // namespace sphere_propagation

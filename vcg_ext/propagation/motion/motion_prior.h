@@ -21,6 +21,9 @@ struct MotionPrior {
 
   /// Independent coefficients.
   static MotionPrior of(const MotionVariances& variances, double noise);
+
+  /// Sigma with the variances of the four blocks multiplied, correlations as they are.
+  MotionPrior withVariancesTimes(const MotionVariances& factors) const;
 };
 
 /// The prior where there is too little to learn from (motion_learning.h).

@@ -85,9 +85,10 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     motion = averageOfBothWays(model, sequence, cycle, fit.coefficients, around);
   }
   std::vector<char> smoothed(motion.size(), 0);
-  if (parameters.smooths && isPath(tree)) {
-    const SmoothedMotion all = smoothMotion(model, sequence, tree.root(),
-                                            arcsOf(tree, cycle, fit.lost), motion, prior, pool);
+  if (parameters.smooths && learns && isPath(tree)) {
+    const SmoothedMotion all =
+        smoothMotion(model, sequence, tree.root(), arcsOf(tree, cycle, fit.lost), motion,
+                     priorForAllAtOnce(prior), pool);
     for (size_t t = 0; t < motion.size(); ++t) {
       const Eigen::VectorXd& c = all.coefficients[t];
       if (c == motion[t] || !agree(model, sequence[static_cast<int>(t)], c, motion[t])) continue;

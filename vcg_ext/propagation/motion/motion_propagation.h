@@ -7,7 +7,9 @@
 /// fitted along the tree (motion_fit.h), and the layer's map is read off the moved root
 /// (map_transfer.h). Nothing is resampled on the way, so nothing is lost but what the fits lose;
 /// and what surfaces cannot show, how they slide along themselves, is decided by a prior that is
-/// learnt from the sequence where it is long enough (motion_learning.h).
+/// learnt from the sequence where it is long enough (motion_learning.h). Where that is so and the
+/// tree is a chain, or makes a cycle with the closing arc, all layers are then fitted at once
+/// (motion_smoothing.h).
 
 #include <optional>
 #include <vector>
@@ -26,11 +28,9 @@ struct MotionParameters {
   /// The fewest arcs that a prior is learnt from, whatever the order; with fewer it is the fixed
   /// one (motion_prior.h).
   int minArcsToLearnFrom = 11;
-  /// Whether what the fits find along a chain is where all its layers are fitted at once
-  /// (motion_smoothing.h). Off: errors of 23 sequences fall by 6.6 % (geometric mean; walls from
-  /// voxels by 11 to 22 %), but those of a real heart grow from 1.187 to 1.199 mm on average and
-  /// from 1.68 to 1.80 mm in the worst phase, at half as much again of processor time.
-  bool smooths = false;
+  /// Whether all layers of a chain are fitted at once in the end (motion_smoothing.h), where the
+  /// prior was learnt. Off: arc by arc alone, for comparison.
+  bool smooths = true;
 };
 
 struct FollowedLayer {
@@ -59,7 +59,8 @@ struct FollowedMotion {
 /// sequence: the layers, in one frame; root: the map of the tree's root among them; tree: one entry
 /// per layer; pool: who does the work, with the same result whatever the number of threads;
 /// closing: an arc beside the tree. Where the two make a cycle of all layers, each layer's motion
-/// is the average of both ways round (motion_cycle.h), and what one way loses comes the other way.
+/// is, before that, the average of both ways round (motion_cycle.h), and what one way loses comes
+/// the other way.
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool,
                             const Progress& progress = {}, const std::optional<Arc>& closing = {},

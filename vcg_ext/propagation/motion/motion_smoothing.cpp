@@ -23,10 +23,11 @@ constexpr double rootTimes = 2;  // the root's errors, over those of another lay
 constexpr double firstError = 0.6, firstNoise = 5;
 constexpr double errorTimes = 10, errorOfNothing = 0.07, minError = 0.03, maxError = 0.6;
 constexpr double minNoise = 1.25, maxNoise = 10, moreResidual = 0.02;
+constexpr double stepPower = 0.7;
 constexpr double minStep = 0.05;  // of an arc, where the mean is 1
 constexpr double steady = 1e-4;   // precision of a layer beside its neighbours': keeps what no
                                   // arc binds
-constexpr double enough = 1e-6;   // squared, in the norm that conjugate gradients make smaller
+constexpr double enough = 1e-5;   // squared, in the norm that conjugate gradients make smaller
 constexpr int maxIterations = 200;
 
 /// What a layer says, in sums over its nodes i of w_i a_i b_i^T, where a and b are rows of
@@ -323,11 +324,16 @@ Eigen::VectorXd stepsOf(const SmoothingProblem& problem, const std::vector<Arc>&
     steps[static_cast<Eigen::Index>(k)] = medianOf(std::move(squares));
   }
   if (!(steps.mean() > 0)) return Eigen::VectorXd::Ones(steps.size());
+  steps = steps.array().pow(stepPower).matrix();
   steps = (steps / steps.mean()).cwiseMax(minStep);
   return steps / steps.mean();
 }
 
 }  // namespace
+
+MotionPrior priorForAllAtOnce(const MotionPrior& learnt) {
+  return learnt.withVariancesTimes({0.45, 0.7, 6, 1});
+}
 
 SmoothedMotion smoothMotion(const MotionModel& model, const Sequence& sequence, int root,
                             const std::vector<Arc>& arcs, const std::vector<Eigen::VectorXd>& start,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// The motion of all layers at once, from what all of them say. Not the default, and why:
-/// MotionParameters::smooths.
+/// The motion of all layers at once, from what all of them say.
 ///
 /// Arc by arc, each fit takes the layer before it for exact, and reads its surface's errors as
 /// motion; the root's come back in every layer. Here all coefficients z_t minimise together
@@ -16,13 +15,19 @@
 ///   o_t  that of layer t's surface (surface_errors.h: flat parts err as a whole), of standard
 ///        deviation tau mean edges of the surface; e of twice that, since nothing averages it away;
 ///   a_st how much the surfaces move along their normals on the arc: the median over the nodes of
-///        the squared change, as a share of the mean of all arcs, at least 0.05.
+///        the squared change, to the power of 0.7, as a share of the mean of all arcs, at least
+///        0.05.
 ///
 /// Two figures are the sequence's own. tau = 10 (d - 0.07), from 0.03 to 0.6, d the root mean
 /// square over layers of the offset, in standard deviations, that the part of the surface which
 /// errs most alike has with tau = 0.6, kappa = 5. kappa is the largest of 1.25, 1.25 sqrt 2, ... 10
 /// with which the median distance of nodes from the surfaces (e taken off) is at most 2 % above the
 /// smallest seen: the stiffest motion that the surfaces do not contradict.
+///
+/// Sigma is what was learnt from the arcs, with variances times 0.45 (local), 0.7 (translation), 6
+/// (strain) and 1 (rotation): arc by arc, a prior that leaves strain this free would take errors of
+/// surfaces for it; here these have their own unknowns, and a stiff strain is what lags behind the
+/// shortening of a heart along its axis.
 ///
 /// H. E. Rauch, F. Tung, C. T. Striebel, Maximum likelihood estimates of linear dynamic systems,
 /// 1965 (smoothing); solved by conjugate gradients, since in a cycle, and with e, all layers hang
@@ -46,6 +51,9 @@ struct SmoothedMotion {
   Eigen::VectorXd rootError;  ///< e, #N, in the unit of length: what the root's surface lacks
                               ///< outwards
 };
+
+/// Sigma^-1 as above, from the one that was learnt (motion_learning.h).
+MotionPrior priorForAllAtOnce(const MotionPrior& learnt);
 
 /// sequence: the layers; root: the moving one; arcs: between layers, the root among them, which
 /// hang together; start: coefficients of each layer, zero at the root, with which the nodes lie
