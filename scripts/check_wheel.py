@@ -26,6 +26,8 @@ CONTENTS = (
     "sphere_propagation/__init__.py",
     "sphere_propagation/py.typed",
     "sphere_propagation/_version.py",
+    "sphere_propagation/explorer_page/page.html",
+    "sphere_propagation/explorer_page/page.js",
     "_sphere_propagation_command.py",
 )
 NEWEST = {
