@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_pool.h"
 
@@ -20,7 +21,7 @@ struct Contraction {
   explicit Contraction(int layers, const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
                        double scale = 1) {
     for (int i = 0; i < layers; ++i) {
-      const test::Mesh sphere = test::transformed(test::icosphereMesh(8 + i % 2),
+      const test::Mesh sphere = test::transformed(test::icosphereMesh(test::sizeFor(8, 6) + i % 2),
                                                   test::randomRotation(70 + i), 1, Vector3::Zero());
       const double c = 0.25 * std::sin(3.14159265358979323846 * i / layers);
       test::Mesh mesh = sphere;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -657,7 +658,8 @@ TEST(SurfacePreparation, MakesAClosedSurfaceOfAnything) {
   PreparationParameters parameters;
   parameters.removeHandles = true;
   int bad = 0;
-  for (unsigned seed = 0; seed < 100; ++seed) {
+  for (int s = 0; s < sizeFor(100, 25); ++s) {
+    const auto seed = static_cast<unsigned>(s);
     parameters.lid = seed % 2 == 0 ? LidShape::Curved : LidShape::Flat;
     const Mesh mesh = damaged(seed);
     const PreparedMesh result = prepared(mesh, parameters);
