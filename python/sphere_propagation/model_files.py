@@ -29,7 +29,7 @@ def read_model(path) -> ShapeModel:
     if missing:
         raise FileError(
             f"{path} is no shape model: it has no {' and no '.join(missing)}. Models are what "
-            'shape_model(…, export_file="model.npz") and `sphere-propagation run` write.'
+            'shape_model(…, export_file="model.npz") and "sphere-propagation run" write.'
         )
     mean, modes, eigenvalues, scores, faces = (found[name] for name in NEEDED)
     fits = (
