@@ -149,6 +149,7 @@ FilterSet::Result FilterSet::run(int index, const RichParameterList& values, Mes
     const Filter& filter = *filters_.at(static_cast<size_t>(index));
     Changes changes(document);
     const Layers layers(document);
+    layers.requireRead();
     const RichValues richValues(values);
     std::vector<Remark> remarks;
     const auto tell = [&](const Remark& remark) {

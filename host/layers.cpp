@@ -89,6 +89,12 @@ LayerKind Layer::kind() const {
   return LayerKind::Surface;
 }
 
+bool Layer::isBeingRead() const {
+  return std::any_of(mesh_->cm.face.begin(), mesh_->cm.face.end(), [](const CFaceO& f) {
+    return !f.IsD() && (f.cV(0) == nullptr || f.cV(1) == nullptr || f.cV(2) == nullptr);
+  });
+}
+
 int Layer::vertexCount() const { return mesh_->cm.vn; }
 
 bool Layer::isShownAside() const { return firstOf(*mesh_, asideAttribute).has_value(); }
@@ -270,6 +276,12 @@ std::optional<Colors> Layer::colors(const MeshSurface& surface) const {
   return colors;
 }
 
+void Layers::requireRead() const {
+  for (const MeshModel* mesh : meshesOf(document_))
+    if (const Layer layer(*mesh); layer.isBeingRead())
+      throw Refusal(messages::stillBeingRead, layer.label());
+}
+
 Layer Layers::current() const {
   if (document_.mm() == nullptr) throw Refusal(messages::noLayer);
   return Layer(*document_.mm());
@@ -280,13 +292,15 @@ int Layers::currentId() const { return document_.mm() != nullptr ? document_.mm(
 std::optional<Layer> Layers::find(int id) const {
   if (id < 0) return std::nullopt;
   const MeshModel* mesh = document_.getMesh(static_cast<unsigned int>(id));
-  return mesh != nullptr ? std::optional<Layer>(*mesh) : std::nullopt;
+  if (mesh == nullptr || Layer(*mesh).isBeingRead()) return std::nullopt;
+  return Layer(*mesh);
 }
 
 std::vector<Layer> Layers::all(LayerKind kind) const {
   std::vector<Layer> found;
   for (const MeshModel* mesh : meshesOf(document_))
-    if (const Layer layer(*mesh); layer.kind() == kind) found.push_back(layer);
+    if (const Layer layer(*mesh); !layer.isBeingRead() && layer.kind() == kind)
+      found.push_back(layer);
   return found;
 }
 
@@ -294,7 +308,7 @@ std::vector<Layer> Layers::visible(LayerKind kind) const {
   std::vector<Layer> found;
   for (const MeshModel* mesh : meshesOf(document_)) {
     const Layer layer(*mesh);
-    if (layer.visible() && layer.kind() == kind) found.push_back(layer);
+    if (layer.visible() && !layer.isBeingRead() && layer.kind() == kind) found.push_back(layer);
   }
   return found;
 }

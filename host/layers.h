@@ -70,6 +70,9 @@ class Layer {
   /// Whether the label ends as a file's name does.
   bool hasFileName() const;
   bool visible() const;
+  /// Whether its file is still being read: MeshLab's window lets a filter be chosen meanwhile, and
+  /// faces have no vertices then, so that nothing else may be asked.
+  bool isBeingRead() const;
   LayerKind kind() const;
 
   int vertexCount() const;
@@ -127,10 +130,13 @@ class Layer {
   const MeshModel* mesh_;
 };
 
-/// The document, to be read.
+/// The document, to be read. Layers whose file is still being read are not there yet.
 class Layers {
  public:
   explicit Layers(const MeshDocument& document) : document_(document) {}
+
+  /// Throws Refusal where a layer is still being read.
+  void requireRead() const;
 
   /// The current layer. Throws Refusal when there is none.
   Layer current() const;

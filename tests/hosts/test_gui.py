@@ -5,6 +5,7 @@ build/test-results/screenshots/."""
 import shutil
 
 import documents
+import numpy as np
 import pymeshlab
 import pytest
 from gui import CREATING, FILTERS, FILTERS_WITH_DIALOG, GuiError, until
@@ -137,6 +138,33 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
         # The maps are known again, and landmark layers replaced.
         assert gui.apply(REMESH).count("1002 landmarks") == 2
         assert len(gui.layers()) == 4
+
+
+def large_sphere(file, lines=700):
+    """A mesh that takes MeshLab a while to read."""
+    theta, phi = np.linspace(0.01, 3.13, lines), np.linspace(0, 2 * np.pi, lines, endpoint=False)
+    x = np.outer(np.sin(theta), np.cos(phi)), np.outer(np.sin(theta), np.sin(phi))
+    v = 50 * np.stack([*x, np.outer(np.cos(theta), np.ones(lines))], -1).reshape(-1, 3)
+    i, j = np.indices((lines - 1, lines))
+    a, b = (i * lines + j).ravel(), (i * lines + (j + 1) % lines).ravel()
+    f = np.concatenate([np.stack([a, a + lines, b], 1), np.stack([b, a + lines, b + lines], 1)])
+    meshes = pymeshlab.MeshSet()
+    documents.add(meshes, v, f, "large")
+    meshes.save_current_mesh(str(file))
+    return file
+
+
+def test_a_filter_is_chosen_while_a_file_is_read(meshlab, surfaces, tmp_path):
+    """MeshLab's window lets it be; the faces have no vertices then."""
+    with meshlab(surfaces[0], large_sphere(tmp_path / "large.ply")) as gui:
+        until(lambda: len(gui.layers()) == 2, "the second layer to be begun")
+        gui.open_filter(PROPAGATE)
+        gui.start()
+        until(lambda: gui.message() or gui.log().count("Opened mesh") == 2, "an answer")
+        if gui.message():  # a quick machine may have read it by now
+            assert "still being read" in gui.message() or "no map" in gui.message()
+            gui.close_message()
+        opened(gui, 2)
 
 
 def test_dialogs_fit_a_small_screen(meshlab, surfaces):
