@@ -34,7 +34,7 @@ for surface in surfaces:
 write_project(folder / "ventricle.mlp", layers)
 
 # To look at: what the filters make of it, side by side.
-sp.write_layers(folder, "finished", Row("finished", result, unit="mm", up=rotation @ (0, 0, 1)))
+sp.write_layers(folder, "finished", Row("finished", result, up=rotation @ (0, 0, 1)))
 made = folder / "finished"
 (made / "finished_overview.mlp").replace(made / "finished.mlp")
 (made / LIST).unlink()

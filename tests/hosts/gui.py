@@ -223,10 +223,14 @@ class MeshLab:
         rows = self.ask("lists")["rows"]
         return [row[2] for row in rows if len(row) > 2 and row[1].isdigit()]
 
-    def picture(self, name):
-        """Writes a picture of the screen; returns its path."""
+    def picture(self, name, of_dialog=False):
+        """Writes a picture of the screen, or of the filter's dialog alone; returns its path."""
         file = self.pictures / f"{name}.png"
-        self.ask("picture", file=str(file))
+        part = []
+        if of_dialog:
+            inside = [w["place"] for w in self.widgets() if w["window"] == self._filter]
+            part = max(inside, key=lambda place: place[2] * place[3])
+        self.ask("picture", file=str(file), part=part)
         return file
 
     def message(self):

@@ -233,8 +233,12 @@ QJsonObject answer(const QJsonObject& command) {
   if (what == "menus") return {{"entries", menuEntries()}};
   if (what == "lists") return lists();
   if (what == "picture") {
-    const bool saved =
-        QApplication::primaryScreen()->grabWindow(0).save(command["file"].toString());
+    const QJsonArray part = command["part"].toArray();  // left, top, width, height; none: all
+    QScreen* screen = QApplication::primaryScreen();
+    const QPixmap picture = part.isEmpty() ? screen->grabWindow(0)
+                                           : screen->grabWindow(0, part[0].toInt(), part[1].toInt(),
+                                                                part[2].toInt(), part[3].toInt());
+    const bool saved = picture.save(command["file"].toString());
     return saved ? QJsonObject{} : QJsonObject{{"error", "the picture could not be written"}};
   }
   if (what == "fill screen") {
