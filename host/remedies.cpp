@@ -108,6 +108,21 @@ std::string_view remedyWithEntries(Fault fault) {
       return "Choose another order of propagation or another root, or the method \"Robust\".";
     case Fault::DifferentUnits:
       return "Bring all layers to one unit (<Transform: Scale, Normalize>).";
+    case Fault::AnchorFileUnknown:
+      return "Give a file of Pick Points (.pp), of 3D Slicer (.mrk.json, .fcsv) or of scalismo "
+             "(.json), or a table of name, x, y, z (.csv, .txt).";
+    case Fault::AnchorFileSyntax:
+      return "Write it again.";
+    case Fault::AnchorFrame:
+      return "Export it again in one of them.";
+    case Fault::AnchorNotNumbers:
+      return "Mend it there, or leave the place empty where it is not known.";
+    case Fault::AnchorsInOnePlace:
+      return "Leave one of them out.";
+    case Fault::AnchorsChangePlaces:
+      return "Are their names exchanged?";
+    case Fault::AnchorsNotHeld:
+      return "Leave out those that lie closest together.";
     case Fault::LandmarkCount:
       return "Remesh all surfaces with one frequency, or hide the layers that do not belong to the "
              "model.";

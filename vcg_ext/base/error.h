@@ -98,6 +98,11 @@ class ExportError : public Error {
   using Error::Error;
 };
 
+/// A file of anchors cannot be read, or anchors contradict each other.
+class AnchorError : public Error {
+  using Error::Error;
+};
+
 /// A map cannot be handed from one surface to another.
 class PropagationError : public Error {
   using Error::Error;

@@ -22,6 +22,8 @@ struct Entry {
 #define UNMAPPABLE SURFACE "its positions on the sphere cannot be made a valid map"
 #define CAME_FROM "[. They come from {noun} \"{other}\", which may be too different from it]"
 #define INVALID SURFACE "its map to the sphere is not valid: "
+#define NO_ANCHORS_FROM "Anchors cannot be read from \"{name}\""
+#define NOT_EXACT SURFACE "its map cannot hold the anchors exactly"
 #define NOT_WRITTEN "The model cannot be written to \"{name}\": "
 
 constexpr std::array<Entry, faultCount> entries{
@@ -106,6 +108,19 @@ constexpr std::array<Entry, faultCount> entries{
     FAULT(DifferentUnits,
           "{Noun} \"{name}\" is {value} times {detail} than {noun} \"{other}\", which its map "
           "would come from"),
+
+    FAULT(AnchorFileNotRead, NO_ANCHORS_FROM ": {detail}"),
+    FAULT(AnchorFileUnknown, NO_ANCHORS_FROM ", as its ending tells no format that is known"),
+    FAULT(AnchorFileSyntax, NO_ANCHORS_FROM ", line {first}: {detail}"),
+    FAULT(NoAnchors, NO_ANCHORS_FROM ": it holds none, or in no format that is known"),
+    FAULT(AnchorFrame,
+          NO_ANCHORS_FROM ": its coordinate system is \"{other}\", neither LPS nor RAS"),
+    FAULT(AnchorNotNumbers,
+          NO_ANCHORS_FROM ", {detail}: the place of \"{other}\" is not three numbers"),
+    FAULT(AnchorsInOnePlace, NOT_EXACT ": \"{other}\" and \"{detail}\" lie in one place"),
+    FAULT(AnchorsChangePlaces,
+          NOT_EXACT ": on the sphere, \"{other}\" and \"{detail}\" would have to change places"),
+    FAULT(AnchorsNotHeld, NOT_EXACT ": \"{other}\" stays {value} radians off"),
 
     FAULT(TooFewShapes, "A shape model needs at least two shapes; there is only \"{name}\""),
     FAULT(NoLandmarks, "Shape \"{name}\" has no landmarks"),

@@ -60,6 +60,17 @@ enum class Fault {
   NothingFixed,      ///< no vertex has a position
   DifferentUnits,    ///< sizes differ too much
 
+  // anchors
+  AnchorFileNotRead,    ///< the system refused
+  AnchorFileUnknown,    ///< a file's name tells no format that is known
+  AnchorFileSyntax,     ///< it is no XML or JSON
+  NoAnchors,            ///< it is, but holds no anchors
+  AnchorFrame,          ///< its coordinate system is none that is known
+  AnchorNotNumbers,     ///< a place that is not three numbers
+  AnchorsInOnePlace,    ///< two that cannot be held apart
+  AnchorsChangePlaces,  ///< two that would have to pass each other
+  AnchorsNotHeld,       ///< no valid map was found that holds all
+
   // model
   TooFewShapes,         ///< fewer than two
   NoLandmarks,          ///< a shape of none

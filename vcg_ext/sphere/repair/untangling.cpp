@@ -33,9 +33,11 @@ bool isFlipped(const ClosedSurface& surface, const Points& positions, int f) {
 /// round costs what it frees and not what the mesh has.
 class FlippedRegion {
  public:
-  FlippedRegion(const ClosedSurface& surface, const Points& positions)
+  FlippedRegion(const ClosedSurface& surface, const Points& positions,
+                const std::vector<char>& held)
       : surface_(surface),
         positions_(positions),
+        held_(held),
         index_(static_cast<size_t>(surface.vertexCount()), -1) {
     for (int f = 0; f < surface.faceCount(); ++f)
       if (isFlipped(surface, positions, f)) flipped_.push_back(f);
@@ -49,7 +51,7 @@ class FlippedRegion {
     rings_ = 0;
     const auto all = static_cast<size_t>(surface_.vertexCount());
     const auto add = [&](int v) {
-      if (index_[v] >= 0) return;
+      if (index_[v] >= 0 || (!held_.empty() && held_[v] != 0)) return;
       index_[v] = 0;
       free_.push_back(v);
     };
@@ -96,6 +98,7 @@ class FlippedRegion {
  private:
   const ClosedSurface& surface_;
   const Points& positions_;
+  const std::vector<char>& held_;
   std::vector<int> index_, free_, flipped_;
   int rings_ = 0;
 };
@@ -156,14 +159,14 @@ int countMoved(const Points& before, const Points& after) {
 }  // namespace
 
 Untangled untangle(const ClosedSurface& surface, Points positions, int maxRings,
-                   const Progress& progress) {
+                   const Progress& progress, const std::vector<char>& held) {
   normalise(positions);
   const Certificate before = certify(surface.faces(), positions);
   const Points original = positions;
   const double shortest = shortestEdge * meanEdgeLength(surface.vertices(), surface.faces());
   // Each round looks afresh which faces are flipped, so what an earlier, smaller ring mended stays
   // as it is.
-  FlippedRegion region(surface, positions);
+  FlippedRegion region(surface, positions, held);
   bool last = maxRings < 1;
   double share = 0;
   for (int rings = 1; !region.empty(); rings = grown(rings, maxRings)) {

@@ -4,6 +4,7 @@
 /// and what lies around them, are touched.
 
 #include <limits>
+#include <vector>
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/sphere/mapped_surface.h"
@@ -24,10 +25,12 @@ struct Untangled {
 ///
 /// positions: #V by 3, any length but zero (they are normalised first; a zero or non-finite one
 /// counts as free). maxRings: how far the ring may grow. progress: the largest share of the
-/// vertices that was free. Throws MapError when that does not end in a valid map: the positions are
+/// vertices that was free. held: 1 for each vertex that stays where it is; empty: none. Throws
+/// MapError when that does not end in a valid map: the positions are
 /// too far from one.
 Untangled untangle(const ClosedSurface& surface, Points positions,
-                   int maxRings = std::numeric_limits<int>::max(), const Progress& progress = {});
+                   int maxRings = std::numeric_limits<int>::max(), const Progress& progress = {},
+                   const std::vector<char>& held = {});
 
 /// untangle with up to 12 rings; where the folds are no local matter, the map near the positions
 /// that is made from coarse to fine (nearby_map.h), which always is one. Throws MapError when there

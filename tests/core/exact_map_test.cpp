@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/anchors/exact_map.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/sphere/certificate.h"
+
+namespace sphere_propagation {
+namespace {
+
+MappedSurface ballMap() {
+  const test::Mesh mesh = test::icosphereMesh(16);
+  return MappedSurface(surfaceOf(mesh, "ball"), mesh.vertices);
+}
+
+struct Moves {
+  std::vector<SurfacePoint> points;
+  std::vector<Vector3> targets;
+  std::vector<std::string> names;
+};
+
+/// Six points off the vertices, to be moved by so much in ways that have nothing in common.
+Moves moves(const MappedSurface& map, double angle) {
+  Moves made;
+  for (int k = 0; k < 6; ++k) {
+    SurfacePoint point;
+    point.face = static_cast<int>(map.faces().rows()) * (2 * k + 1) / 13;
+    point.weights = Vector3(0.5, 0.3, 0.2);
+    const Vector3 place = placeOf(map, point);
+    const Vector3 axis = place.cross(test::randomRotation(k).col(0)).normalized();
+    made.points.push_back(point);
+    made.targets.emplace_back(Eigen::AngleAxisd(angle, axis) * place);
+    made.names.push_back("anchor " + std::to_string(k));
+  }
+  return made;
+}
+
+double farthest(const MappedSurface& map, const Moves& moves) {
+  double most = 0;
+  for (size_t k = 0; k < moves.points.size(); ++k) {
+    const Vector3 place = placeOf(map, moves.points[k]);
+    most = std::max(most, place.cross(moves.targets[k]).norm());
+  }
+  return most;
+}
+
+TEST(ExactMap, BringsPointsToTheirPlacesAndStaysValid) {
+  const MappedSurface map = ballMap();
+  for (const double angle : {1e-6, 0.1, 0.4}) {
+    const Moves asked = moves(map, angle);
+    ASSERT_GT(farthest(map, asked), 0.9 * std::sin(angle));
+    const ExactMap held = holdExactly(map, asked.points, asked.targets, asked.names);
+    EXPECT_LT(farthest(held.map, asked), 1e-12) << angle;
+    EXPECT_TRUE(certify(map.faces(), held.map.positions()).valid());
+    EXPECT_NEAR(held.longestWay, angle, 1e-9);
+    EXPECT_LT(held.steps, 30);
+  }
+}
+
+TEST(ExactMap, LeavesAMapThatHoldsThemAlready) {
+  const MappedSurface map = ballMap();
+  const Moves asked = moves(map, 0);
+  EXPECT_EQ(holdExactly(map, asked.points, asked.targets, asked.names).map.positions(),
+            map.positions());
+  EXPECT_EQ(holdExactly(map, {}, {}, {}).map.positions(), map.positions());
+}
+
+TEST(ExactMap, NamesThoseThatChangePlacesOrLieInOne) {
+  const MappedSurface map = ballMap();
+  const auto refusal = [&](const Moves& asked) {
+    try {
+      holdExactly(map, asked.points, asked.targets, asked.names);
+    } catch (const AnchorError& error) {
+      return error.finding();
+    }
+    return Finding(Fault::Text);
+  };
+  Moves swapped = moves(map, 0.05);
+  std::swap(swapped.targets[1], swapped.targets[4]);
+  EXPECT_EQ(refusal(swapped).fault, Fault::AnchorsChangePlaces);
+  EXPECT_EQ(refusal(swapped).other, "anchor 1");
+  EXPECT_EQ(refusal(swapped).detail, "anchor 4");
+  Moves one = moves(map, 0.05);
+  one.points[3] = one.points[2];
+  EXPECT_EQ(refusal(one).fault, Fault::AnchorsInOnePlace);
+  EXPECT_EQ(refusal(one).name, "ball");
+}
+
+}  // namespace
+}  // namespace sphere_propagation

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Anchors in files of other programs.
+///
+/// | ending | of | |
+/// | --- | --- | --- |
+/// | .pp | MeshLab's Pick Points | points that are not active are undefined |
+/// | .mrk.json, .json | 3D Slicer | all lists of the file; LPS unless it says RAS |
+/// | .json | scalismo | a list of id and coordinates |
+/// | .fcsv | 3D Slicer | RAS unless it says LPS (1) |
+/// | .csv, .tsv, .txt, .pts, .xyz, .particles | tables | name, x, y, z, or x, y, z alone |
+///
+/// In tables commas, semicolons, tabs and blanks separate; lines that begin with # are comments; a
+/// first line of words names the columns (name, label, landmark or id; x; y; z), else the last
+/// three numbers of a line are the place and what stands before is the name. Lines of a place alone
+/// are called 1, 2, ... by their order. A place that is empty or nan is undefined.
+
+#include <string>
+#include <vector>
+
+#include "vcg_ext/anchors/anchor_set.h"
+
+namespace sphere_propagation {
+
+/// Reads a file. Places that the file has in LPS are returned in RAS. Throws AnchorError, which
+/// says what is wrong and where.
+AnchorList readAnchors(const std::string& file);
+
+/// The files beside a mesh that hold its anchors, best first: NAME_picked_points.pp, NAME.mrk.json,
+/// NAME.csv, NAME.fcsv, NAME.pp. mesh: its file, which need not be there. (NAME.json and NAME.txt
+/// may be anything.)
+std::vector<std::string> anchorFilesBeside(const std::string& mesh);
+
+/// The file of a folder that holds the anchors of what is called so; empty where there is none.
+/// name: with or without a file's ending. As beside a mesh, and besides NAME.json, .tsv, .txt,
+/// .pts, .xyz and .particles: a folder that is given holds anchors.
+std::string anchorFileIn(const std::string& folder, const std::string& name);
+
+}  // namespace sphere_propagation

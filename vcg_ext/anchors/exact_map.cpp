@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/anchors/exact_map.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/repair/untangling.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWidth = 0.15;
+constexpr int mostSteps = 60, ringsWithHeld = 4;
+constexpr double onePlace = 1e-9;   // radians
+constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
+constexpr int placesOnTheWay = 50;
+
+/// The tangent at p that leads to q along the great circle, as long as the way.
+Vector3 wayFrom(const Vector3& p, const Vector3& q) {
+  const Vector3 along = q - p.dot(q) * p;
+  const double length = along.norm();
+  if (length == 0) return Vector3::Zero();
+  return std::atan2(length, p.dot(q)) / length * along;
+}
+
+/// x turned by |w| about w.
+Vector3 turned(const Vector3& x, const Vector3& w) {
+  const double angle = w.norm();
+  if (angle == 0) return x;
+  return (Eigen::AngleAxisd(angle, w / angle) * x).normalized();
+}
+
+Vector3 normalTo(const Vector3& p) {
+  return p.cross(std::fabs(p[2]) < 0.9 ? Vector3(0, 0, 1) : Vector3(1, 0, 0)).normalized();
+}
+
+/// A field of rotations with given velocities at given places.
+class RotationField {
+ public:
+  /// velocities: tangent at the places.
+  RotationField(std::vector<Vector3> places, const std::vector<Vector3>& velocities, double width)
+      : places_(std::move(places)), scale_(0.5 / (width * width)) {
+    const auto count = static_cast<Eigen::Index>(places_.size());
+    Eigen::MatrixXd matrix(2 * count, 2 * count);
+    Eigen::VectorXd wanted(2 * count);
+    std::vector<Eigen::Matrix<double, 3, 2>> tangents;
+    for (const Vector3& p : places_) {
+      const Vector3 e = normalTo(p);
+      tangents.emplace_back();
+      tangents.back() << e, p.cross(e);
+    }
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& ofK = tangents[static_cast<size_t>(k)];
+      const Vector3& p = places_[static_cast<size_t>(k)];
+      for (Eigen::Index j = 0; j < count; ++j)
+        matrix.block<2, 2>(2 * k, 2 * j) =
+            kernel(p, static_cast<size_t>(j)) * ofK.transpose() * tangents[static_cast<size_t>(j)];
+      // v(p) . (e x p) = w . e for e tangent at p.
+      for (int a = 0; a < 2; ++a)
+        wanted[2 * k + a] = ofK.col(a).cross(p).dot(velocities[static_cast<size_t>(k)]);
+    }
+    matrix.diagonal().array() += 1e-12;
+    const Eigen::VectorXd solution = matrix.partialPivLu().solve(wanted);
+    for (Eigen::Index k = 0; k < count; ++k)
+      turns_.emplace_back(tangents[static_cast<size_t>(k)] * solution.segment<2>(2 * k));
+  }
+
+  Vector3 at(const Vector3& x) const {
+    Vector3 turn = Vector3::Zero();
+    for (size_t k = 0; k < places_.size(); ++k) turn += kernel(x, k) * turns_[k];
+    return turn;
+  }
+
+ private:
+  double kernel(const Vector3& x, size_t k) const {
+    return std::exp(-scale_ * (x - places_[k]).squaredNorm());
+  }
+
+  std::vector<Vector3> places_, turns_;
+  double scale_;
+};
+
+/// Throws where two points lie in one place, or would have to pass each other.
+void requireApart(const std::vector<Vector3>& from, const std::vector<Vector3>& to,
+                  const std::string& surface, const std::vector<std::string>& names) {
+  for (size_t i = 0; i < from.size(); ++i)
+    for (size_t j = i + 1; j < from.size(); ++j) {
+      const double ends = std::min((from[i] - from[j]).norm(), (to[i] - to[j]).norm());
+      const auto refuse = [&](Fault fault) {
+        throw AnchorError(Finding(fault, surface).against(names[i]).saying(names[j]));
+      };
+      if (ends < onePlace) refuse(Fault::AnchorsInOnePlace);
+      const Vector3 turnI = from[i].cross(wayFrom(from[i], to[i])),
+                    turnJ = from[j].cross(wayFrom(from[j], to[j]));
+      double least = ends;
+      for (int step = 0; step <= placesOnTheWay; ++step) {
+        const double share = static_cast<double>(step) / placesOnTheWay;
+        least = std::min(least,
+                         (turned(from[i], share * turnI) - turned(from[j], share * turnJ)).norm());
+      }
+      if (least < leastApart * ends) refuse(Fault::AnchorsChangePlaces);
+    }
+}
+
+Vector3 placeAt(const Triangles& faces, const Points& positions, const SurfacePoint& point) {
+  return point.interpolate(faces, positions).normalized();
+}
+
+}  // namespace
+
+Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
+  return placeAt(map.faces(), map.positions(), point);
+}
+
+ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& points,
+                     const std::vector<Vector3>& targets, const std::vector<std::string>& names) {
+  ExactMap result{map};
+  if (points.empty()) return result;
+  const ClosedSurface& surface = map.surface();
+  std::vector<Vector3> places(points.size()), left(points.size());
+  size_t worst = 0;
+  const auto look = [&] {
+    double most = -1;
+    for (size_t k = 0; k < points.size(); ++k) {
+      places[k] = placeOf(result.map, points[k]);
+      left[k] = wayFrom(places[k], targets[k]);
+      if (left[k].norm() > most) most = left[worst = k].norm();
+    }
+    return most;
+  };
+  double most = result.longestWay = look();
+  requireApart(places, targets, surface.name(), names);
+  const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
+  std::vector<char> held(static_cast<size_t>(surface.vertexCount()), 0);
+  for (const SurfacePoint& point : points)
+    for (int k = 0; k < 3; ++k) held[static_cast<size_t>(surface.faces()(point.face, k))] = 1;
+  for (; most >= exactDistance; most = look(), ++result.steps) {
+    if (result.steps == mostSteps)
+      throw AnchorError(
+          Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
+    std::vector<Vector3> velocities = left;
+    const double share = std::min(1.0, stepPerWidth * width / most);
+    for (Vector3& velocity : velocities) velocity *= share;
+    const RotationField field(places, velocities, width);
+    Points moved = result.map.positions();
+    for (auto row : moved.rowwise()) {
+      const Vector3 x = row.transpose();
+      row = turned(x, field.at(x)).transpose();
+    }
+    if (std::optional<MappedSurface> valid = MappedSurface::ifValid(surface, moved)) {
+      result.map = std::move(*valid);
+      continue;
+    }
+    try {
+      Untangled mended = untangle(surface, moved, ringsWithHeld, {}, held);
+      result.untangledFaces += mended.repairedFaces;
+      result.map = std::move(mended.map);
+    } catch (const MapError&) {  // what moves the points as well; the next steps bring them back
+      Untangled mended = mend(surface, std::move(moved));
+      result.untangledFaces += mended.repairedFaces;
+      result.map = std::move(mended.map);
+    }
+  }
+  return result;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// A map moved until given points of its surface lie at given places of the sphere, as
+/// E. Praun, W. Sweldens, P. Schroeder, Consistent mesh parameterizations, 2001, and A. Asirvatham,
+/// E. Praun, H. Hoppe, Consistent spherical parameterization, 2005, ask of their base vertices.
+///
+/// Here they need no base mesh: the map flows along v(x) = w(x) x x, w = sum_k K(x, p_k) w_k, a
+/// field of rotations about the centre with a Gaussian K of chordal width h, p_k the places of the
+/// points. The w_k are tangent at p_k and solve v(p_k) = what is left of the great circle from p_k
+/// to its target. The flow of a smooth field folds nothing; its steps, of at most 0.15 h, are
+/// looked at one by one, and faces that flip are untangled at once, the corners of the points'
+/// faces held. h is twice the longest way, within 0.12 and 0.6.
+
+#include <string>
+#include <vector>
+
+#include "vcg_ext/mesh/surface_locator.h"
+#include "vcg_ext/sphere/mapped_surface.h"
+
+namespace sphere_propagation {
+
+/// How near each point comes to its target, radians.
+constexpr double exactDistance = 1e-12;
+
+struct ExactMap {
+  MappedSurface map;
+  int steps = 0;
+  int untangledFaces = 0;  ///< that flipped in a step, all steps together
+  double longestWay = 0;   ///< of a point on the sphere, radians
+};
+
+/// The place of a point on the sphere: interpolated in its face, then brought to length 1.
+Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point);
+
+/// points: of the surface; targets: unit vectors, one for each; names: of the points, for errors.
+/// Without points the map stays as it is. Throws AnchorError, which names the surface and the
+/// points, where two of them lie in one place, where two would have to pass each other (they come
+/// nearer on their ways than a fifth of what they are apart before and after), and where no valid
+/// map was found.
+ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& points,
+                     const std::vector<Vector3>& targets, const std::vector<std::string>& names);
+
+}  // namespace sphere_propagation
