@@ -401,6 +401,9 @@ class PropagationFilter : public host::Filter {
     warnOfSizes(task, participants, propagated);
     if (task.values.flag("residual_quality"))
       task.say(messages::residualsStored, residualMean.maxCoeff(), residualP95.maxCoeff());
+    const Order order = task.values.choice("order", orders);
+    if (count > 2 && (order == Order::SimilarityTree || order == Order::Star))
+      task.say(messages::groupwiseNext);
     task.say(messages::layersMapped, count, count,
              hiddenLeftOut(task.layers, host::LayerKind::Surface));
     host::Outputs outputs = {{"parent", parent},

@@ -14,6 +14,7 @@ import pytest
 PHANTOM = "create_ventricle_phantom"
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
+GROUPWISE = "compute_spherical_parameterisation_groupwise"
 REMESH = "generate_icosphere_remeshing"
 EVALUATE = "get_spherical_parameterisation_measures"
 SPHERES = "generate_sphere_layers"
@@ -21,13 +22,26 @@ COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PREPARE = "apply_surface_preparation"
 MODEL = "compute_statistical_shape_model"
 LAYOUT = "apply_layers_side_by_side"
-FILTERS = [PHANTOM, PREPARE, ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, MODEL, COLOR, LAYOUT]
+FILTERS = [
+    PHANTOM,
+    PREPARE,
+    ROOT,
+    PROPAGATE,
+    GROUPWISE,
+    REMESH,
+    EVALUATE,
+    SPHERES,
+    MODEL,
+    COLOR,
+    LAYOUT,
+]
 
 MENU_OF = {
     PHANTOM: "Beating ventricle phantom",
     PREPARE: "Prepare surface",
     ROOT: "Spherical parameterise root",
     PROPAGATE: "Propagate parameterisation to layers",
+    GROUPWISE: "Optimise parameterisations groupwise",
     REMESH: "Remesh by icosphere",
     EVALUATE: "Evaluate spherical parameterisation",
     SPHERES: "Show parameterisation as sphere layers",

@@ -30,6 +30,10 @@ FILTERS = {  # menu entry -> menus that show it
         "Remeshing, Simplification and Reconstruction",
         "Mesh Layer",
     },
+    "Optimise parameterisations groupwise": {
+        "Remeshing, Simplification and Reconstruction",
+        "Mesh Layer",
+    },
     "Remesh by icosphere": {"Remeshing, Simplification and Reconstruction"},
     "Evaluate spherical parameterisation": {"Quality Measure and Computations"},
     "Show parameterisation as sphere layers": {"Mesh Layer"},
@@ -41,7 +45,7 @@ FILTERS = {  # menu entry -> menus that show it
     "Prepare surface": {"Cleaning and Repairing"},
     "Lay layers side by side": {"Mesh Layer"},
 }
-ROOT, PROPAGATE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-2]
+ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-2]
 PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
 IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: GPL-3.0-only
+// On bodies small enough for a test, with maps whose error is known because it was made.
+
+#include "vcg_ext/groupwise/groupwise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/groupwise/description_length.h"
+#include "vcg_ext/groupwise/moving_landmarks.h"
+#include "vcg_ext/groupwise/population_model.h"
+#include "vcg_ext/groupwise/population_pose.h"
+#include "vcg_ext/groupwise/sphere_fields.h"
+#include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/remeshing/remeshing.h"
+#include "vcg_ext/sphere/certificate.h"
+
+namespace sphere_propagation {
+namespace {
+
+using test::Mesh;
+
+/// A smooth field that turns round an axis here and flows there.
+Eigen::VectorXd someField(const SphereFields& fields, unsigned seed, double speed) {
+  test::Random random(seed);
+  Eigen::VectorXd theta(fields.count());
+  for (double& value : theta) value = random.normal();
+  const Points at = icosphere(6).vertices;
+  return theta * (speed / fields.at(at, theta).rowwise().norm().maxCoeff());
+}
+
+/// Egg-shaped bodies of five modes: material point u of the sphere lies at place(u).
+class Family {
+ public:
+  explicit Family(int count, unsigned seed = 3, int frequency = 12)
+      : sphere_(test::icosphereMesh(frequency)), fields_(3, 0.5) {
+    test::Random random(seed);
+    for (int k = 0; k < count; ++k) {
+      Points body = sphere_.vertices;
+      const double a = 0.15 * random.normal(), b = 0.15 * random.normal(),
+                   c = 0.1 * random.normal();
+      for (auto x : body.rowwise()) {
+        const Vector3 u = x.transpose();
+        x = (1 + 0.25 * u[0] * u[1] * u[2] + a * u[0] * u[0] + b * u[0] * u[2] + 0.2 * u[2]) *
+            Eigen::RowVector3d(1.6 * u[0], 1.2 * u[1] + c * u[0] * u[0], u[2]);
+      }
+      bodies_.push_back(10 * body);
+    }
+  }
+
+  /// With maps that know the truth, or are moved away from it, but for the first one.
+  std::vector<MappedSurface> mapped(double error) const {
+    std::vector<MappedSurface> all;
+    for (size_t k = 0; k < bodies_.size(); ++k)
+      all.emplace_back(
+          ClosedSurface(bodies_[k], sphere_.faces),
+          error > 0 && k > 0
+              ? fields_.flow(sphere_.vertices,
+                             someField(fields_, 100 + static_cast<unsigned>(k), error))
+              : sphere_.vertices);
+    return all;
+  }
+
+  /// Mean distance between landmarks of a shape and where those of another belong on it, all pairs.
+  double error(const std::vector<MappedSurface>& maps) const {
+    const Points u = icosphere(5).vertices;
+    double sum = 0;
+    std::vector<Points> places;  // where each shape's landmarks are in the material
+    for (const MappedSurface& map : maps)
+      places.push_back(
+          remesh(MappedSurface(map.surface().withVertices(10 * sphere_.vertices), map.positions()),
+                 u)
+              .landmarks);
+    int pairs = 0;
+    for (size_t s = 0; s < maps.size(); ++s)
+      for (size_t t = 0; t < s; ++t, ++pairs)
+        sum += (places[s] - places[t]).rowwise().norm().mean();
+    return sum / pairs;
+  }
+
+ private:
+  Mesh sphere_;
+  SphereFields fields_;
+  std::vector<Points> bodies_;
+};
+
+std::vector<MappedSurface> mapsOf(const Groupwise& optimised) {
+  std::vector<MappedSurface> maps;
+  for (const GroupwiseShape& shape : optimised.shapes) maps.push_back(shape.map);
+  return maps;
+}
+
+double largestAngle(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
+
+// ---------------------------------------------------------------- fields and flows
+
+TEST(SphereFields, AreTangentialAndLinear) {
+  const SphereFields fields(3, 0.4);
+  const Points u = icosphere(4).vertices;
+  const Eigen::VectorXd a = someField(fields, 1, 0.3), b = someField(fields, 2, 0.2);
+  EXPECT_LT(fields.at(u, a).cwiseProduct(u).rowwise().sum().cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT((fields.at(u, a + 2 * b) - fields.at(u, a) - 2 * fields.at(u, b)).norm(), 1e-12);
+  Points functionals(2 * u.rows(), 3);
+  for (Eigen::Index i = 0; i < functionals.rows(); ++i)
+    functionals.row(i) << std::sin(i), std::cos(3 * i), 1;
+  const Eigen::VectorXf product = fields.rows(u, functionals) * a.cast<float>();
+  const Points v = fields.at(u, a);
+  for (Eigen::Index i = 0; i < product.size(); ++i)
+    EXPECT_NEAR(product[i], functionals.row(i).dot(v.row(i / 2)), 1e-5);
+}
+
+TEST(SphereFields, NoFieldMovesNothing) {
+  const SphereFields fields(2, 0.6);
+  const Points u = icosphere(3).vertices;
+  EXPECT_EQ(fields.flow(u, Eigen::VectorXd::Zero(fields.count())), u);
+}
+
+TEST(SphereFields, TheFlowOfARotationIsTheRotation) {
+  const SphereFields fields(6, 0.5);
+  const Points u = icosphere(8).vertices;
+  const Vector3 axis = Vector3(1, 2, -1).normalized();
+  Eigen::MatrixXd rows(3 * u.rows(), fields.count());
+  Eigen::VectorXd wanted(3 * u.rows());
+  for (Eigen::Index j = 0; j < fields.count(); ++j) {
+    const Points column = fields.at(u, Eigen::VectorXd::Unit(fields.count(), j));
+    rows.col(j) = Eigen::Map<const Eigen::VectorXd>(column.data(), column.size());
+  }
+  for (Eigen::Index i = 0; i < u.rows(); ++i)
+    wanted.segment<3>(3 * i) = 0.5 * axis.cross(Vector3(u.row(i).transpose()));
+  const Eigen::MatrixXd normal =
+      rows.transpose() * rows + 1e-9 * Eigen::MatrixXd::Identity(rows.cols(), rows.cols());
+  const Eigen::VectorXd theta = normal.ldlt().solve(rows.transpose() * wanted);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, axis).toRotationMatrix();
+  EXPECT_LT(largestAngle(fields.flow(u, theta), u * turn.transpose()), 1e-3);
+}
+
+TEST(SphereFields, FlowsComeBackAndKeepTheSphereWhole) {
+  const SphereFields fields(4, 0.3);
+  const Icosphere sphere = icosphere(10);
+  const Eigen::VectorXd theta = someField(fields, 5, 0.15);
+  const Points there = fields.flow(sphere.vertices, theta);
+  EXPECT_GT(largestAngle(there, sphere.vertices), 0.1);
+  EXPECT_LT((there.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-14);
+  EXPECT_TRUE(certify(sphere.faces, there).valid());
+  EXPECT_LT(largestAngle(fields.flow(there, theta, -1), sphere.vertices), 1e-3);
+}
+
+TEST(SphereFields, RefuseAWidthThatIsNone) {
+  EXPECT_THROW(SphereFields(2, 0), ParameterError);
+  EXPECT_THROW(SphereFields(0, 0.5), ParameterError);
+}
+
+// ---------------------------------------------------------------- landmarks
+
+TEST(SurfaceLandmarks, HaveTheDerivativesOfDifferences) {
+  const std::vector<MappedSurface> maps = Family(2).mapped(0.1);
+  LandmarkReader reader(maps[1]);
+  Points u(1, 3);
+  u.row(0) = Eigen::RowVector3d(0.3, -0.5, 0.8).normalized();
+  const SurfaceLandmarks at = reader.read(u);
+  const Vector3 along = Vector3(u.row(0).transpose()).unitOrthogonal();
+  const double h = 1e-6;
+  Points there(1, 3);
+  there.row(0) = (u.row(0) + h * along.transpose()).normalized();
+  const Vector3 difference = (reader.read(there).points - at.points).row(0).transpose() / h;
+  EXPECT_LT((at.derivatives[0] * along - difference).norm(), 1e-4 * difference.norm());
+  EXPECT_NEAR(at.normals.row(0).norm(), 1, 1e-12);
+}
+
+TEST(MovingLandmarks, TheMapFollowsThem) {
+  const std::vector<MappedSurface> maps = Family(2, 3, 24).mapped(0.1);
+  const auto sphere = std::make_shared<const Icosphere>(icosphere(7));
+  const auto fields = std::make_shared<const SphereFields>(4, 0.3);
+  MovingLandmarks moving(maps[1], sphere);
+  const Points before = moving.landmarks().points;
+  for (unsigned i = 0; i < 3; ++i) moving.move(fields, someField(*fields, 20 + i, 0.1), 0.15);
+  const FollowedMap followed = moving.map();
+  EXPECT_EQ(followed.share, 1);
+  EXPECT_TRUE(certify(followed.map.faces(), followed.map.positions()).valid());
+  const Points read = remesh(followed.map, sphere->vertices).landmarks;
+  const double moved = (moving.landmarks().points - before).rowwise().norm().mean();
+  EXPECT_GT(moved, 0.5);
+  EXPECT_LT((moving.landmarks().points - read).rowwise().norm().mean(), 0.03 * moved);
+}
+
+// ---------------------------------------------------------------- the population
+
+TEST(PopulationModel, SlidesWhatNoSurfaceShows) {
+  // What is expected explains what was seen along the normals.
+  const std::vector<MappedSurface> maps = Family(6).mapped(0);
+  const Icosphere sphere = icosphere(6);
+  std::vector<Points> points, normals;
+  for (const MappedSurface& map : maps) {
+    LandmarkReader reader(map.of(map.surface().withVertices(map.surface().vertices() / 12)));
+    const SurfaceLandmarks landmarks = reader.read(sphere.vertices);
+    points.push_back(landmarks.points);
+    normals.push_back(landmarks.normals);
+  }
+  const PopulationPose pose = poseOf(points, sphere.faces, Alignment::None);
+  ThreadPool pool(1);
+  const PopulationFit fit = fitPopulation(pose, normals, {3000, 2, 12}, pool);
+  EXPECT_LT(fit.residuals.maxCoeff(), 0.2 * std::sqrt(pose.variance()));
+  double rest = 0;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Eigen::VectorXd along =
+        (fit.expected[k] - pose.shapes[k]).cwiseProduct(normals[k]).rowwise().sum();
+    EXPECT_NEAR(std::sqrt(along.cwiseAbs2().dot(pose.weights)),
+                fit.residuals[static_cast<Eigen::Index>(k)], 1e-4);
+    rest += (fit.expected[k] - pose.shapes[k]).rowwise().squaredNorm().dot(pose.weights);
+  }
+  // Maps that are right stay nearly where they are.
+  EXPECT_LT(rest / static_cast<double>(points.size()), 0.1 * pose.variance());
+}
+
+TEST(DescriptionLength, IsTheSumOverModesAndFallsAlongItsPull) {
+  const std::vector<MappedSurface> maps = Family(5).mapped(0.1);
+  const Icosphere sphere = icosphere(4);
+  std::vector<Points> points;
+  for (const MappedSurface& map : maps)
+    points.push_back(LandmarkReader(map).read(sphere.vertices).points / 12);
+  PopulationPose pose = poseOf(points, sphere.faces, Alignment::None);
+  const DescriptionLength length = descriptionLengthOf(pose, 1e-4);
+  EXPECT_LT(length.pull.rowwise().sum().cwiseAbs().maxCoeff(), 1e-6 * length.pull.norm());
+  // d cost = 2 / K sum_ij pull_ij <d_i, delta_j>
+  const double h = 1e-6;
+  Points direction = Points::Zero(points[0].rows(), 3);
+  for (Eigen::Index i = 0; i < direction.size(); ++i)
+    direction.data()[i] = std::sin(static_cast<double>(7 * i));
+  double slope = 0;
+  for (size_t j = 0; j < points.size(); ++j)
+    slope += 2.0 / 5 * length.pull(2, static_cast<Eigen::Index>(j)) *
+             pose.weights.dot((pose.shapes[j] - pose.mean).cwiseProduct(direction).rowwise().sum());
+  pose.shapes[2] += h * direction;
+  pose.mean += h / 5 * direction;
+  EXPECT_NEAR((descriptionLengthOf(pose, 1e-4).cost - length.cost) / h, slope,
+              1e-3 * std::fabs(slope));
+}
+
+TEST(Groupwise, RecoversAKnownWarp) {
+  const Family family(8);
+  const std::vector<MappedSurface> warped = family.mapped(0.25);
+  ThreadPool pool(2);
+  GroupwiseParameters parameters;
+  parameters.alignment = Alignment::None;
+  const Groupwise found = optimiseGroupwise(warped, pool, parameters);
+  EXPECT_LT(family.error(mapsOf(found)), 0.5 * family.error(warped));
+  EXPECT_LT(found.moves.back(), 0.3 * found.moves.front());
+  ASSERT_EQ(found.shapes.size(), 8U);
+  for (const GroupwiseShape& shape : found.shapes) {
+    EXPECT_TRUE(certify(shape.map.faces(), shape.map.positions()).valid());
+    EXPECT_GT(shape.tangentialMove, 0);
+  }
+}
+
+TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
+  const Family family(6);
+  ThreadPool pool(1);
+  GroupwiseParameters parameters;
+  parameters.alignment = Alignment::None;
+  const double spread = family.error(family.mapped(0.25));
+  EXPECT_LT(family.error(mapsOf(optimiseGroupwise(family.mapped(0), pool, parameters))),
+            0.35 * spread);
+}
+
+TEST(Groupwise, ShapesThatAgreeStayAsTheyAre) {
+  const MappedSurface one = Family(1).mapped(0).front();
+  ThreadPool pool(1);
+  const Groupwise found = optimiseGroupwise({one, one, one}, pool);
+  for (const GroupwiseShape& shape : found.shapes)
+    EXPECT_LT(largestAngle(shape.map.positions(), one.positions()), 1e-9);
+  EXPECT_NEAR(found.varianceAfter, 0, 1e-20);
+}
+
+TEST(Groupwise, TurnsAndScalesWithTheShapes) {
+  const std::vector<MappedSurface> given = Family(4).mapped(0.2);
+  std::vector<MappedSurface> moved;
+  const Eigen::Matrix3d turn = test::randomRotation(4);
+  for (const MappedSurface& map : given)
+    moved.push_back(map.of(map.surface().withVertices(
+        (1000 * map.surface().vertices() * turn.transpose()).rowwise() +
+        Eigen::RowVector3d(5000, -100, 7))));
+  ThreadPool pool(1);
+  GroupwiseParameters parameters;
+  parameters.iterations = 3;
+  const Groupwise a = optimiseGroupwise(given, pool, parameters),
+                  b = optimiseGroupwise(moved, pool, parameters);
+  for (size_t k = 0; k < given.size(); ++k) {
+    EXPECT_LT(largestAngle(a.shapes[k].map.positions(), b.shapes[k].map.positions()), 2e-3);
+    EXPECT_NEAR(b.shapes[k].tangentialMove, 1000 * a.shapes[k].tangentialMove,
+                10 * a.shapes[k].tangentialMove);
+  }
+}
+
+TEST(Groupwise, IsTheSameWithAnyNumberOfThreads) {
+  const std::vector<MappedSurface> given = Family(4).mapped(0.2);
+  for (const auto objective :
+       {GroupwiseObjective::PopulationModel, GroupwiseObjective::DescriptionLength}) {
+    GroupwiseParameters parameters;
+    parameters.objective = objective;
+    parameters.iterations = 3;
+    ThreadPool one(1), three(3);
+    const Groupwise a = optimiseGroupwise(given, one, parameters),
+                    b = optimiseGroupwise(given, three, parameters);
+    for (size_t k = 0; k < given.size(); ++k)
+      EXPECT_EQ(a.shapes[k].map.positions(), b.shapes[k].map.positions());
+    EXPECT_EQ(a.moves, b.moves);
+  }
+}
+
+TEST(Groupwise, TheDescriptionLengthFalls) {
+  ThreadPool pool(1);
+  GroupwiseParameters parameters;
+  parameters.objective = GroupwiseObjective::DescriptionLength;
+  const Groupwise found = optimiseGroupwise(Family(5).mapped(0.2), pool, parameters);
+  ASSERT_EQ(found.costs.size(), 9U);
+  EXPECT_LT(found.costs.back(), found.costs.front());
+  EXPECT_EQ(found.surfacePrecision, 0);
+}
+
+TEST(Groupwise, RefusesWhatIsOutOfRange) {
+  const std::vector<MappedSurface> two = Family(2).mapped(0);
+  ThreadPool pool(1);
+  EXPECT_THROW(optimiseGroupwise({two[0]}, pool), ParameterError);
+  const auto refused = [&](auto change) {
+    GroupwiseParameters parameters;
+    change(parameters);
+    EXPECT_THROW(optimiseGroupwise(two, pool, parameters), ParameterError);
+  };
+  refused([](GroupwiseParameters& p) { p.iterations = 0; });
+  refused([](GroupwiseParameters& p) { p.surfacePrecision = -1; });
+  refused([](GroupwiseParameters& p) { p.surfacePrecision = std::nan(""); });
+  refused([](GroupwiseParameters& p) { p.priorShapes = 0; });
+  refused([](GroupwiseParameters& p) { p.frequency = 2; });
+  refused([](GroupwiseParameters& p) { p.frequency = 31; });
+}
+
+}  // namespace
+}  // namespace sphere_propagation

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/groupwise/description_length.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace sphere_propagation {
+
+DescriptionLength descriptionLengthOf(const PopulationPose& pose, double cut) {
+  const auto count = static_cast<Eigen::Index>(pose.shapes.size());
+  Eigen::MatrixXd rows(count, pose.mean.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Points weighted = pose.weights.cwiseSqrt().asDiagonal() *
+                            (pose.shapes[static_cast<size_t>(k)] - pose.mean);
+    rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(weighted.data(), weighted.size());
+  }
+  const Eigen::MatrixXd gram = rows * rows.transpose() / static_cast<double>(count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(gram);
+  DescriptionLength length;
+  for (const double value : modes.eigenvalues())
+    length.cost += value > cut ? 1 + std::log(value / cut) : std::max(value, 0.0) / cut;
+  const Eigen::VectorXd slopes = modes.eigenvalues().cwiseMax(cut).cwiseInverse();
+  length.pull = modes.eigenvectors() * slopes.asDiagonal() * modes.eigenvectors().transpose();
+  // The mean moves along.
+  length.pull.rowwise() -= Eigen::RowVectorXd(length.pull.colwise().mean());
+  length.pull.colwise() -= Eigen::VectorXd(length.pull.rowwise().mean());
+  return length;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/groupwise/groupwise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/base/random.h"
+#include "vcg_ext/groupwise/description_length.h"
+#include "vcg_ext/groupwise/moving_landmarks.h"
+#include "vcg_ext/groupwise/population_model.h"
+#include "vcg_ext/groupwise/population_pose.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr double longestMove = 0.5;  // of a landmark in one flow, in widths of the fields
+
+// Of the population model.
+constexpr int fieldFrequency = 4;
+constexpr double fieldWidth = 0.3;
+constexpr int flowsAnIteration = 2;
+constexpr double modelDamping = 1e-3;
+constexpr double defaultPrecision = 1000;
+/// Below this variance, in squared radii, shapes are the same but for rounding.
+constexpr double noVariance = 1e-20;
+
+// Of the description length: fields from coarse to fine.
+struct Level {
+  int frequency;
+  double width;
+};
+constexpr Level levels[]{{2, 0.6}, {3, 0.4}, {4, 0.3}};
+constexpr double lengthDamping = 0.05, noiseVariance = 1e-4;
+
+class Population {
+ public:
+  Population(const std::vector<MappedSurface>& surfaces, const GroupwiseParameters& parameters,
+             ThreadPool& pool)
+      : parameters_(parameters),
+        pool_(pool),
+        sphere_(std::make_shared<const Icosphere>(icosphere(parameters.frequency))) {
+    double area = 0;
+    for (const MappedSurface& surface : surfaces)
+      area += faceAreas(surface.surface().vertices(), surface.faces()).sum();
+    radius_ = radiusOfSphere(area / static_cast<double>(surfaces.size()));
+    shapes_ = pool.makeEach(static_cast<int>(surfaces.size()), [&](int k) {
+      const MappedSurface& given = surfaces[static_cast<size_t>(k)];
+      return std::make_unique<MovingLandmarks>(given.of(scaled(given.surface())), sphere_);
+    });
+  }
+
+  int count() const { return static_cast<int>(shapes_.size()); }
+  double radius() const { return radius_; }
+  MovingLandmarks& shape(int k) { return *shapes_[static_cast<size_t>(k)]; }
+  const Triangles& faces() const { return sphere_->faces; }
+
+  PopulationPose pose() const {
+    return poseOf(points(), sphere_->faces, parameters_.alignment);
+  }
+
+  std::vector<Points> points() const {
+    std::vector<Points> all;
+    all.reserve(shapes_.size());
+    for (const auto& shape : shapes_) all.push_back(shape->landmarks().points);
+    return all;
+  }
+
+  /// Of the landmarks, as they are aligned.
+  Points normals(const PopulationPose& pose, int k) const {
+    const auto i = static_cast<size_t>(k);
+    return (shapes_[i]->landmarks().normals * pose.turns[i].transpose()).rowwise().normalized();
+  }
+
+  /// Where the landmarks of a shape are by now, in the frame of a pose that is a little older.
+  Points aligned(const PopulationPose& pose, const std::vector<Points>& then, int k) const {
+    const auto i = static_cast<size_t>(k);
+    return pose.shapes[i] +
+           Points((shapes_[i]->landmarks().points - then[i]) * pose.turns[i].transpose());
+  }
+
+ private:
+  ClosedSurface scaled(const ClosedSurface& surface) const {
+    return surface.withVertices(surface.vertices() / radius_);
+  }
+
+  const GroupwiseParameters& parameters_;
+  ThreadPool& pool_;
+  std::shared_ptr<const Icosphere> sphere_;
+  double radius_ = 1;
+  std::vector<std::unique_ptr<MovingLandmarks>> shapes_;
+};
+
+double meanOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Weighted root mean square of the rows' lengths.
+double rootMeanSquare(const Points& rows, const Eigen::VectorXd& weights) {
+  return std::sqrt(rows.rowwise().squaredNorm().dot(weights));
+}
+
+/// The model is learnt, and the landmarks flow to where it expects them. Returns how far they were.
+double improveByModel(Population& population, const PopulationPose& pose,
+                      const std::shared_ptr<const SphereFields>& fields,
+                      const PopulationModelParameters& parameters, ThreadPool& pool,
+                      Eigen::VectorXd& residuals) {
+  const int count = population.count();
+  const std::vector<Points> then = population.points();
+  std::vector<Points> normals =
+      pool.makeEach(count, [&](int k) -> Points { return population.normals(pose, k); });
+  const PopulationFit fit = fitPopulation(pose, normals, parameters, pool);
+  residuals = fit.residuals;
+  double far = 0;
+  for (int flow = 0; flow < flowsAnIteration; ++flow) {
+    std::vector<Points> gaps = pool.makeEach(count, [&](int k) -> Points {
+      const auto i = static_cast<size_t>(k);
+      if (flow > 0) normals[i] = population.normals(pose, k);
+      Points gap = fit.expected[i] - population.aligned(pose, then, k);
+      const Eigen::VectorXd along = gap.cwiseProduct(normals[i]).rowwise().sum();
+      gap -= along.asDiagonal() * normals[i];
+      return gap;
+    });
+    // What all have in common says nothing: without this landmarks drift.
+    Points common = Points::Zero(pose.mean.rows(), 3);
+    for (const Points& gap : gaps) common += gap / static_cast<double>(count);
+    std::vector<double> moves(gaps.size());
+    pool.forEach(count, [&](int k) {
+      const auto i = static_cast<size_t>(k);
+      gaps[i] -= common;
+      moves[i] = rootMeanSquare(gaps[i], pose.weights);
+      population.shape(k).move(fields,
+                               population.shape(k).fieldFor(*fields, pose.turns[i], gaps[i],
+                                                            pose.weights, modelDamping),
+                               longestMove * fields->width());
+    });
+    if (flow == 0) far = meanOf(moves);
+  }
+  return far;
+}
+
+/// One sweep over the shapes in random order: each moves to where the description length, as a
+/// square in that shape, is least. Returns how far landmarks moved.
+double improveByLength(Population& population, const PopulationPose& pose,
+                       const std::shared_ptr<const SphereFields>& fields,
+                       const DescriptionLength& length, std::mt19937& random) {
+  const int count = population.count();
+  std::vector<int> order(static_cast<size_t>(count));
+  std::iota(order.begin(), order.end(), 0);
+  for (size_t i = order.size(); i > 1; --i)
+    std::swap(order[i - 1],
+              order[static_cast<size_t>(uniformNumber(random) * static_cast<double>(i))]);
+  const std::vector<Points> then = population.points();
+  std::vector<Points> displacements;
+  for (const Points& shape : pose.shapes) displacements.push_back(shape - pose.mean);
+  std::vector<double> moves;
+  for (const int k : order) {
+    const auto i = static_cast<size_t>(k);
+    if (!(length.pull(k, k) > 0)) continue;
+    Points pull = Points::Zero(pose.mean.rows(), 3);
+    for (int j = 0; j < count; ++j)
+      pull += length.pull(k, j) * displacements[static_cast<size_t>(j)];
+    const Points target = -pull / length.pull(k, k);
+    population.shape(k).move(fields,
+                             population.shape(k).fieldFor(*fields, pose.turns[i], target,
+                                                          pose.weights, lengthDamping),
+                             longestMove * fields->width());
+    const Points there = population.aligned(pose, then, k) - pose.mean;
+    moves.push_back(rootMeanSquare(there - displacements[i], pose.weights));
+    displacements[i] = there;
+  }
+  return moves.empty() ? 0 : meanOf(moves);
+}
+
+}  // namespace
+
+void requireValid(const GroupwiseParameters& parameters) {
+  requireRange("number of iterations", parameters.iterations, Range::between(1, 1000));
+  requireRange("surface precision", parameters.surfacePrecision, Range::between(0, 1e6));
+  requireRange("number of prior shapes", parameters.priorShapes, Range::between(0.01, 1e6));
+  requireRange("frequency", parameters.frequency, Range::between(3, 30));
+}
+
+Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPool& pool,
+                            const GroupwiseParameters& parameters, const Progress& progress) {
+  requireValid(parameters);
+  requireRange("number of shapes", static_cast<double>(surfaces.size()),
+               Range::atLeast(minGroupwiseShapes));
+  Population population(surfaces, parameters, pool);
+  const int count = population.count();
+  const std::vector<Points> first = population.points();
+  const double radius = population.radius();
+  PopulationPose pose = population.pose();
+
+  Groupwise result;
+  result.varianceBefore = pose.variance() * radius * radius;
+  Eigen::VectorXd residuals = Eigen::VectorXd::Zero(count);
+  const auto working = [&](int i) { return 0.05 + 0.85 * i / parameters.iterations; };
+  if (parameters.objective == GroupwiseObjective::PopulationModel) {
+    const auto fields = std::make_shared<const SphereFields>(fieldFrequency, fieldWidth);
+    PopulationModelParameters model;
+    model.priorShapes = parameters.priorShapes;
+    model.surfacePrecision = result.surfacePrecision =
+        parameters.surfacePrecision > 0 ? parameters.surfacePrecision : defaultPrecision;
+    for (int i = 0; i < parameters.iterations && pose.variance() > noVariance; ++i) {
+      report(progress, working(i));
+      result.moves.push_back(
+          radius * improveByModel(population, pose, fields, model, pool, residuals));
+      pose = population.pose();
+    }
+  } else {
+    std::mt19937 random(0);
+    constexpr int levelCount = sizeof(levels) / sizeof(levels[0]);
+    int level = -1;
+    std::shared_ptr<const SphereFields> fields;
+    DescriptionLength length = descriptionLengthOf(pose, noiseVariance);
+    result.costs.push_back(length.cost);
+    for (int i = 0; i < parameters.iterations; ++i) {
+      report(progress, working(i));
+      if (const int next = i * levelCount / parameters.iterations; next != level) {
+        level = next;
+        fields = std::make_shared<const SphereFields>(levels[level].frequency, levels[level].width);
+      }
+      result.moves.push_back(radius * improveByLength(population, pose, fields, length, random));
+      pose = population.pose();
+      length = descriptionLengthOf(pose, noiseVariance);
+      result.costs.push_back(length.cost);
+    }
+  }
+  result.varianceAfter = pose.variance() * radius * radius;
+
+  report(progress, working(parameters.iterations));
+  const std::vector<FollowedMap> maps =
+      pool.makeEach(count, [&](int k) { return population.shape(k).map(); });
+  const std::vector<Points> last = population.points();
+  for (int k = 0; k < count; ++k) {
+    const auto i = static_cast<size_t>(k);
+    const Eigen::VectorXd moved = (last[i] - first[i]).rowwise().norm();
+    result.shapes.push_back({maps[i].map.of(surfaces[i].surface()),
+                             radius * moved.dot(pose.weights), radius * residuals[k],
+                             maps[i].repairedFaces, maps[i].share});
+  }
+  report(progress, 1);
+  return result;
+}
+
+}  // namespace sphere_propagation

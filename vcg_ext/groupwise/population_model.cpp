@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/groupwise/population_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "vcg_ext/propagation/motion/dense_kernels.h"
+#include "vcg_ext/propagation/motion/motion_basis.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr double solvedTo = 1e-8;  // squared, in the norm that conjugate gradients make smaller
+constexpr int mostSteps = 60;      // of conjugate gradients
+
+/// What one shape says of its coefficients.
+struct Evidence {
+  Eigen::MatrixXf matrix;  // H_k
+  Eigen::VectorXd vector;  // h_k
+  double square = 0;       // of what is observed: sum w (n . d)^2
+
+  Eigen::VectorXd times(const Eigen::VectorXd& c) const {
+    const Eigen::VectorXf image = matrix * c.cast<float>();
+    return image.cast<double>();
+  }
+};
+
+Evidence evidenceOf(const MotionBasis& basis, const Points& displacements, const Points& normals,
+                    const Eigen::VectorXd& weights) {
+  Evidence evidence;
+  const Eigen::VectorXd along = displacements.cwiseProduct(normals).rowwise().sum();
+  const Points forces = weights.cwiseProduct(along).asDiagonal() * normals;
+  evidence.matrix = basis.roughInformation(normals, weights).cast<float>();
+  evidence.vector = basis.roughProjectAll(forces);
+  evidence.square = along.cwiseAbs2().dot(weights);
+  return evidence;
+}
+
+/// The prior variance of each coefficient, such that a landmark's coordinates vary by `variance`
+/// with each part of the model: the kernel's is 1, and affine columns are scaled to root mean
+/// square 1.
+Eigen::VectorXd priorVariances(const PopulationPose& pose, double variance) {
+  const Eigen::RowVector3d centre = pose.weights.transpose() * pose.mean;
+  const Points arms = pose.mean.rowwise() - centre;
+  const Vector3 square = arms.cwiseAbs2().transpose() * pose.weights;
+  const double least = 1e-6 * square.sum();
+  Eigen::VectorXd prior = Eigen::VectorXd::Constant(MotionBasis::columns, variance);
+  Eigen::Index column = MotionBasis::localColumns + MotionBasis::translationColumns;
+  for (int a = 0; a < 3; ++a) prior[column++] /= std::max(square[a], least);
+  for (int turn = 0; turn < 2; ++turn)  // shear, then rotation
+    for (int a = 0; a < 2; ++a)
+      for (int b = a + 1; b < 3; ++b)
+        prior[column++] /= std::max(0.5 * (square[a] + square[b]), least);
+  return prior;
+}
+
+/// Solves (beta H + P) c = beta h + P mu by conjugate gradients, from the c that is given. inverse:
+/// that of a similar matrix.
+void solvePosterior(const Evidence& evidence, double beta, const Eigen::MatrixXd& precision,
+                    const Eigen::VectorXd& right, const Eigen::MatrixXd& inverse,
+                    Eigen::VectorXd& c) {
+  const auto system = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return beta * evidence.times(x) + precision * x;
+  };
+  Eigen::VectorXd rest = right - system(c), step = inverse * rest, along = step;
+  double left = rest.dot(step);
+  const double enough = solvedTo * right.dot(inverse * right);
+  for (int i = 0; i < mostSteps && left > enough; ++i) {
+    const Eigen::VectorXd image = system(along);
+    const double length = left / along.dot(image);
+    c += length * along;
+    rest -= length * image;
+    step.noalias() = inverse * rest;
+    const double before = std::exchange(left, rest.dot(step));
+    along = step + left / before * along;
+  }
+}
+
+}  // namespace
+
+PopulationFit fitPopulation(const PopulationPose& pose, const std::vector<Points>& normals,
+                            const PopulationModelParameters& parameters, ThreadPool& pool) {
+  const auto count = static_cast<int>(pose.shapes.size());
+  const double shapes = count, variance = pose.variance() / 3;
+  const double beta = parameters.surfacePrecision / variance, shrink = parameters.priorShapes;
+  const MotionBasis basis(pose.mean, pose.weights, 1);
+  const std::vector<Evidence> evidence = pool.makeEach(count, [&](int k) {
+    const auto i = static_cast<size_t>(k);
+    return evidenceOf(basis, pose.shapes[i] - pose.mean, normals[i], pose.weights);
+  });
+  const Eigen::VectorXd prior = priorVariances(pose, variance);
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(prior.size(), prior.size());
+  for (const Evidence& one : evidence) mean += one.matrix.cast<double>() / shapes;
+
+  Eigen::MatrixXd precision = prior.cwiseInverse().asDiagonal();
+  Eigen::VectorXd middle = Eigen::VectorXd::Zero(prior.size());
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(prior.size(), count);
+  for (int round = 0;; ++round) {
+    const Eigen::MatrixXd posterior = inverseOf(beta * mean + precision);
+    const Eigen::VectorXd towards = precision * middle;
+    pool.forEach(count, [&](int k) {
+      const Evidence& one = evidence[static_cast<size_t>(k)];
+      Eigen::VectorXd c = coefficients.col(k);
+      solvePosterior(one, beta, precision, beta * one.vector + towards, posterior, c);
+      coefficients.col(k) = c;
+    });
+    if (round == parameters.rounds) break;
+    middle = coefficients.rowwise().mean();
+    const Eigen::MatrixXd deviations = coefficients.colwise() - middle;
+    Eigen::MatrixXd covariance = deviations * deviations.transpose() + shapes * posterior;
+    covariance.diagonal() += shrink * prior;
+    precision = inverseOf(covariance / (shapes + shrink));
+  }
+
+  PopulationFit fit;
+  fit.residuals.resize(count);
+  fit.expected = pool.makeEach(count, [&](int k) -> Points {
+    return pose.mean + basis.displacements(coefficients.col(k));
+  });
+  for (int k = 0; k < count; ++k) {
+    const Evidence& one = evidence[static_cast<size_t>(k)];
+    const Eigen::VectorXd c = coefficients.col(k);
+    const double square = one.square - 2 * c.dot(one.vector) + c.dot(one.times(c));
+    fit.residuals[k] = std::sqrt(std::max(square, 0.0));
+  }
+  return fit;
+}
+
+}  // namespace sphere_propagation
