@@ -208,6 +208,7 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         area_weight=options.area_weight,
         area_restoration=options.area_restoration,
         mirror_layers=options.mirror_layers,
+        groupwise=options.groupwise,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
     preparation = steps if options.prepare else None
@@ -590,6 +591,11 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "--mirror-layers",
         action="store_true",
         help="reflect a mesh that is a mirror image of the others, a left bone among right ones",
+    )
+    add(
+        "--groupwise",
+        action="store_true",
+        help="optimise all maps together before landmarks are made; for shapes in no order",
     )
     add(
         "--labels",

@@ -10,7 +10,14 @@ import numpy as np
 
 from . import attention
 from .errors import FilterError, InputError, SpherePropagationWarning
-from .filters import MAX_LANDMARKS, Figures, parameterise_root, propagate, remesh
+from .filters import (
+    MAX_LANDMARKS,
+    Figures,
+    optimise_groupwise,
+    parameterise_root,
+    propagate,
+    remesh,
+)
 from .parameters import (
     DEFAULTS,
     NAMED,
@@ -72,6 +79,7 @@ def correspond(
     parents: Parents = DEFAULTS.parents,
     root_map: Optional[MapLike] = None,
     mirror_layers: bool = DEFAULTS.mirror_layers,
+    groupwise: bool = DEFAULTS.groupwise,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
@@ -83,6 +91,8 @@ def correspond(
     end-diastole of a heart cycle, and in the order Given the one whose parent is -1.
     root_map: a map of it that exists already.
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
+    groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
+    as optimise_groupwise does; for shapes in no order.
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
@@ -98,6 +108,7 @@ def correspond(
         area_weight=area_weight,
         area_restoration=area_restoration,
         mirror_layers=mirror_layers,
+        groupwise=groupwise,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
 
@@ -160,8 +171,11 @@ def _correspond(
         f"{name}: maps of {len(surfaces)} layers, {int(figures['flipped_faces'].sum())} flipped "
         f"faces, {int(figures['repaired_faces'].sum())} repaired on the way"
     )
+    maps = propagation.maps
+    if parameters.groupwise and len(surfaces) > 1:
+        maps = _optimised(surfaces, maps, parameters.order, figures, name, progress, unit)
     progress.begin(f"{name}: landmarks")
-    landmarks = remesh(surfaces, propagation.maps, frequency=parameters.frequency)
+    landmarks = remesh(surfaces, maps, frequency=parameters.frequency)
     distances = dict(landmarks.figures)
     distances["remeshing_seconds"] = distances.pop("seconds")
     figures.update(distances)
@@ -175,13 +189,40 @@ def _correspond(
         method=parameters.method,
         order=parameters.order,
         root_map=root_map,
-        maps=propagation.maps,
+        maps=maps,
         landmarks=landmarks.points,
         landmark_faces=landmarks.faces,
         figures=figures,
         unit=unit,
         lid=2 * landmarks.lid.sum(0) >= len(surfaces),
     )
+
+
+def _optimised(
+    surfaces: List[Surface],
+    maps: List[SphereMap],
+    order: str,
+    figures: Figures,
+    name: str,
+    progress: Silent,
+    unit: str,
+) -> List[SphereMap]:
+    """The maps after optimise_groupwise, whose figures join or replace those of propagation."""
+    if order in ("Time", "Cyclic time"):
+        progress.note(
+            f"groupwise is for shapes in no order: in the order {order} propagation has followed "
+            "the motion, which knows more than what the phases have in common"
+        )
+    progress.begin(f"{name}: maps of {len(surfaces)} layers together")
+    found = optimise_groupwise(surfaces, maps)
+    for key, values in found.figures.items():
+        added = key in ("repaired_faces", "seconds")
+        figures[key] = figures[key] + values if added else values
+    progress.done(
+        f"{name}: maps of {len(surfaces)} layers together, landmarks moved by "
+        f"{found.figures['tangential_move'].mean():.2g} {unit} on average"
+    )
+    return found.maps
 
 
 def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceParameters:

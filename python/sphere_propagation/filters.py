@@ -22,6 +22,7 @@ from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces, co
 
 ROOT = "compute_spherical_parameterisation_root"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
+GROUPWISE = "compute_spherical_parameterisation_groupwise"
 REMESH = "generate_icosphere_remeshing"
 MODEL = "compute_statistical_shape_model"
 EVALUATE = "get_spherical_parameterisation_measures"
@@ -93,6 +94,33 @@ class Propagation:
             f"Propagation({counted(self.maps, 'map')}, "
             f"{np.sum(self.figures['flipped_faces']):.0f} flipped faces, residual "
             f"{np.mean(self.figures['residual_mean']):.3g} on average)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Optimisation:
+    """Maps of a population that were optimised together, and the figures of the filter.
+
+    figures: tangential_move (how far landmarks moved along the surface, on average, in its unit),
+    model_residual (root mean square of the distance along the normal between landmarks and where
+    the population's model expects them), repaired_faces, flipped_faces, area_ratio_sd,
+    area_log_mean, angle_error_mean (degrees), seconds.
+    move_by_iteration: how far landmarks still were from where they were expected.
+    total_variance: of the aligned landmarks, before and after.
+    surface_precision: the one that was used.
+    """
+
+    maps: List[SphereMap]
+    figures: Figures
+    move_by_iteration: np.ndarray
+    total_variance: np.ndarray
+    surface_precision: float
+
+    def __repr__(self) -> str:
+        return (
+            f"Optimisation({counted(self.maps, 'map')}, "
+            f"{np.sum(self.figures['flipped_faces']):.0f} flipped faces, moved by "
+            f"{np.mean(self.figures['tangential_move']):.3g} on average)"
         )
 
 
@@ -298,6 +326,56 @@ def propagate(
         for i, surface in enumerate(surfaces)
     ]
     return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
+
+
+def optimise_groupwise(
+    surfaces: Sequence[SurfaceLike],
+    maps: Sequence[MapLike],
+    *,
+    alignment: str = "Rigid",
+    iterations: int = 8,
+    surface_precision: float = 0.0,
+    objective: str = "Population model",
+    prior_shapes: float = 2.0,
+    frequency: int = 7,
+    threads: int = 0,
+) -> Optimisation:
+    """The maps of shapes in no order, moved until one model of shape explains all of them together.
+
+    surfaces, maps: two or more, with maps that correspond roughly, as propagate gives them.
+    alignment: what is taken out of the shapes before they are compared, one of ALIGNMENTS.
+    iterations: how often the model is learnt and the maps moved.
+    surface_precision: how much the surfaces count against the prior; 0: the recommended one.
+    objective: Population model, or Description length for comparison.
+    prior_shapes: for how many shapes the prior counts. frequency: of the icosphere of landmarks by
+    which shapes are compared. threads: how many work, 0 for as many as the machine runs at once;
+    the maps are the same with any number.
+    """
+    surfaces = as_surfaces(surfaces)
+    meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
+    figures = layers.apply(
+        meshes,
+        GROUPWISE,
+        alignment=alignment,
+        iterations=iterations,
+        surface_precision=surface_precision,
+        objective=objective,
+        prior_shapes=prior_shapes,
+        frequency=frequency,
+        threads=threads,
+    )
+    if len(figures["tangential_move"]) != len(surfaces):
+        raise FilterError(
+            GROUPWISE,
+            f"Of {len(surfaces)} meshes only {len(figures['tangential_move'])} were taken for "
+            "surfaces with a valid map.",
+        )
+    run = [figures.pop(key) for key in ("move_by_iteration", "total_variance", "surface_precision")]
+    moved = [
+        layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
+        for i in range(len(surfaces))
+    ]
+    return Optimisation(moved, figures, *run)
 
 
 def remesh(

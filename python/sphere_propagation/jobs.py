@@ -210,6 +210,7 @@ def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:
         "area weight": f"{parameters.area_weight:g}",
         "area restoration": f"{parameters.area_restoration:g}",
         "mirror layers": "yes" if parameters.mirror_layers else "no",
+        "groupwise": "yes" if parameters.groupwise else "no",
         "unit": result.unit,
     }
     facts.update({name.replace("_", " "): value for name, value in choices.volume.items()})

@@ -30,6 +30,7 @@ NAMED = {
     "method": METHODS,
     "order": ORDERS,
     "alignment": ("Similarity", "Rigid", "None"),
+    "objective": ("Population model", "Description length"),
     "pattern": ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio"),
     "part": ("Cavity", "Wall"),
     "coordinates": ("RAS", "LPS"),
@@ -78,6 +79,7 @@ class CorrespondenceParameters:
     area_weight: float = 0.9
     area_restoration: float = 0.0
     mirror_layers: bool = False
+    groupwise: bool = False
 
 
 DEFAULTS = CorrespondenceParameters()

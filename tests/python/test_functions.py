@@ -367,3 +367,36 @@ def test_a_mirrored_surface_is_reflected_and_returned(cycle):
     )
     assert sp.evaluate(made.surfaces, made.maps)["valid"].all()
     assert not sp.propagate(shapes, made.root_map).figures["mirrored"].any()
+
+
+def test_groupwise_moves_the_maps_of_a_population(cycle):
+    surfaces = cycle.surfaces[:4]
+    plain = sp.correspond(surfaces, order="Star", frequency=3)
+    found = sp.correspond(surfaces, order="Star", frequency=3, groupwise=True)
+    assert not np.allclose(plain.landmarks, found.landmarks, atol=1e-3)
+    assert found.figures["flipped_faces"].sum() == 0
+    assert (found.figures["tangential_move"] > 0).all()
+    assert "tangential_move" not in plain.figures
+    again = sp.optimise_groupwise(surfaces, plain.maps)
+    assert all(np.array_equal(a.positions, b.positions) for a, b in zip(again.maps, found.maps))
+    assert "Optimisation(4 maps, 0 flipped faces" in repr(again)
+    measures = sp.evaluate(surfaces, again.maps)
+    assert measures["valid"].all()
+
+
+def test_groupwise_says_that_it_is_not_for_motion(cycle):
+    class Listener(sp.progress.Silent):
+        notes = []
+
+        def note(self, text):
+            self.notes.append(text)
+
+    sp.correspond(cycle.surfaces[:3], frequency=2, groupwise=True, progress=Listener())
+    assert any("for shapes in no order" in text for text in Listener.notes)
+
+
+def test_groupwise_refuses_in_the_filters_words(cycle):
+    with pytest.raises(sp.FilterError, match="iterations"):
+        sp.optimise_groupwise(cycle.surfaces[:2], cycle.maps[:2], iterations=0)
+    with pytest.raises(sp.FilterError, match="only"):
+        sp.optimise_groupwise(cycle.surfaces[:1], cycle.maps[:1])

@@ -35,7 +35,7 @@ struct GroupwiseParameters {
   GroupwiseObjective objective = GroupwiseObjective::PopulationModel;
   Alignment alignment = Alignment::Rigid;
   int iterations = 8;           ///< 1 to 1000
-  double surfacePrecision = 0;  ///< that of the surfaces over that of the prior; 0: estimated
+  double surfacePrecision = 0;  ///< that of the surfaces over that of the prior; 0: 1000
   double priorShapes = 2;       ///< for how many shapes the prior counts, above 0
   int frequency = 7;            ///< of the icosphere of landmarks, 3 to 30
 };

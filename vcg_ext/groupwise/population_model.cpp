@@ -38,20 +38,12 @@ Evidence evidenceOf(const MotionBasis& basis, const Points& displacements, const
 }
 
 /// The prior variance of each coefficient, such that a landmark's coordinates vary by `variance`
-/// with each part of the model: the kernel's is 1, and affine columns are scaled to root mean
-/// square 1.
+/// with each part of the model, on average over all directions: so the prior turns with the shapes.
 Eigen::VectorXd priorVariances(const PopulationPose& pose, double variance) {
   const Eigen::RowVector3d centre = pose.weights.transpose() * pose.mean;
-  const Points arms = pose.mean.rowwise() - centre;
-  const Vector3 square = arms.cwiseAbs2().transpose() * pose.weights;
-  const double least = 1e-6 * square.sum();
+  const double square = (pose.mean.rowwise() - centre).rowwise().squaredNorm().dot(pose.weights);
   Eigen::VectorXd prior = Eigen::VectorXd::Constant(MotionBasis::columns, variance);
-  Eigen::Index column = MotionBasis::localColumns + MotionBasis::translationColumns;
-  for (int a = 0; a < 3; ++a) prior[column++] /= std::max(square[a], least);
-  for (int turn = 0; turn < 2; ++turn)  // shear, then rotation
-    for (int a = 0; a < 2; ++a)
-      for (int b = a + 1; b < 3; ++b)
-        prior[column++] /= std::max(0.5 * (square[a] + square[b]), least);
+  prior.tail(MotionBasis::strainColumns + MotionBasis::rotationColumns) *= 3 / square;
   return prior;
 }
 

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Maps of a population, optimised together: through PyMeshLab."""
+
+import numpy as np
+import pymeshlab
+import pytest
+from documents import (
+    EVALUATE,
+    GROUPWISE,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    add,
+    mapped_cycle,
+    positions,
+    snapshot,
+)
+from surfaces import egg
+
+
+@pytest.fixture(scope="module")
+def eggs():
+    """Five eggs of two modes as a population, propagated."""
+    ms = pymeshlab.MeshSet()
+    v, f = egg()
+    random = np.random.default_rng(4)
+    for k in range(5):
+        a, b = 0.15 * random.standard_normal(2)
+        size = np.abs(v).max()
+        x = v * [1 + a, 1, 1 - a]
+        add(ms, x + b * size * np.outer((v[:, 0] / size) ** 2, [0, 1, 0]), f, f"egg {k}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    ms.apply_filter(PROPAGATE, order="Star")
+    return [(m.vertex_matrix(), m.face_matrix(), positions(m).copy()) for m in ms]
+
+
+def project(eggs):
+    ms = pymeshlab.MeshSet()
+    for k, (v, f, s) in enumerate(eggs):
+        add(ms, v, f, f"egg {k}")
+        ms.current_mesh().add_vertex_custom_point_attribute(s, "sphere_position")
+    return ms
+
+
+@pytest.mark.parametrize("objective", ["Population model", "Description length"])
+@pytest.mark.parametrize("alignment", ["Rigid", "Similarity", "None"])
+def test_maps_are_moved_and_valid(eggs, objective, alignment):
+    ms = project(eggs)
+    found = ms.apply_filter(GROUPWISE, objective=objective, alignment=alignment, iterations=3)
+    assert ms.apply_filter(EVALUATE)["valid"].all()
+    assert found["flipped_faces"].sum() == 0 and (found["tangential_move"] > 0).all()
+    assert len(found["move_by_iteration"]) == 3 and len(found["total_variance"]) == 2
+    assert (found["surface_precision"] > 0) == (objective == "Population model")
+    for m, (_, _, before) in zip(ms, eggs):
+        assert not np.allclose(positions(m), before, atol=1e-5)
+
+
+def test_the_maps_belong_together_and_to_no_others(eggs):
+    ms = mapped_cycle(3)
+    ms.apply_filter(GROUPWISE, iterations=1)
+    roots = ms.apply_filter(EVALUATE)["root"]
+    assert len(set(roots)) == 1 and roots[0] > 0
+    assert "warnings" not in ms.apply_filter(REMESH, frequency=3)
+
+
+def test_landmarks_of_before_are_named():
+    ms = mapped_cycle(3)
+    ms.apply_filter(REMESH, frequency=3)
+    ms.apply_filter(GROUPWISE, iterations=1)
+    texts = bytes(
+        ms.apply_filter("compute_statistical_shape_model", mode_layers=0)["warnings"].astype(
+            np.uint8
+        )
+    ).decode()
+    assert "mapsChanged" in texts
+
+
+def test_threads_change_nothing(eggs):
+    one, two = project(eggs), project(eggs)
+    one.apply_filter(GROUPWISE, iterations=2, threads=1)
+    two.apply_filter(GROUPWISE, iterations=2, threads=2)
+    for a, b in zip(one, two):
+        assert np.array_equal(positions(a), positions(b))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"iterations": 0},
+        {"iterations": 1001},
+        {"surface_precision": -1.0},
+        {"prior_shapes": 0.0},
+        {"frequency": 2},
+        {"frequency": 31},
+        {"threads": -1},
+    ],
+)
+def test_what_is_out_of_range_is_refused_and_nothing_changes(eggs, wrong):
+    ms = project(eggs)
+    before = snapshot(ms)
+    with pytest.raises(pymeshlab.PyMeshLabException):
+        ms.apply_filter(GROUPWISE, **wrong)
+    assert snapshot(ms) == before
+
+
+def test_one_layer_has_nothing_in_common_with_others(eggs):
+    ms = project(eggs[:1])
+    before = snapshot(ms)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="nothing to compare it with"):
+        ms.apply_filter(GROUPWISE)
+    assert snapshot(ms) == before
+
+
+def test_layers_without_a_map_are_left_out(eggs):
+    ms = project(eggs[:3])
+    add(ms, *egg(), "no map")
+    found = ms.apply_filter(GROUPWISE, iterations=1)
+    assert len(found["tangential_move"]) == 3 and b"leftOutWithoutMap" in bytes(
+        found["warnings"].astype(np.uint8)
+    )
