@@ -17,9 +17,8 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr host::Named<Alignment> poses[]{{"Rigid", Alignment::Rigid},
-                                         {"Similarity", Alignment::Similarity},
-                                         {"None", Alignment::None}};
+constexpr host::Named<Alignment> poses[]{
+    {"Rigid", Alignment::Rigid}, {"Similarity", Alignment::Similarity}, {"None", Alignment::None}};
 constexpr host::Named<GroupwiseObjective> objectives[]{
     {"Population model", GroupwiseObjective::PopulationModel},
     {"Description length", GroupwiseObjective::DescriptionLength}};
@@ -106,7 +105,8 @@ class GroupwiseFilter : public host::Filter {
       figures.set(i, measures, stopwatch.seconds() / static_cast<double>(count));
     }
     std::string moves;
-    for (const double far : optimised.moves) moves += (moves.empty() ? "" : ", ") + shortNumber(far);
+    for (const double far : optimised.moves)
+      moves += (moves.empty() ? "" : ", ") + shortNumber(far);
     if (!moves.empty()) task.say(messages::groupwiseMoves, moves);
     task.say(messages::groupwiseVariance, optimised.varianceBefore, optimised.varianceAfter);
     if (optimised.surfacePrecision > 0)

@@ -368,7 +368,7 @@ def optimise_groupwise(
         raise FilterError(
             GROUPWISE,
             f"Of {len(surfaces)} meshes only {len(figures['tangential_move'])} were taken for "
-            "surfaces with a valid map.",
+            "surfaces.",
         )
     run = [figures.pop(key) for key in ("move_by_iteration", "total_variance", "surface_precision")]
     moved = [

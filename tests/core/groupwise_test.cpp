@@ -59,12 +59,11 @@ class Family {
   std::vector<MappedSurface> mapped(double error) const {
     std::vector<MappedSurface> all;
     for (size_t k = 0; k < bodies_.size(); ++k)
-      all.emplace_back(
-          ClosedSurface(bodies_[k], sphere_.faces),
-          error > 0 && k > 0
-              ? fields_.flow(sphere_.vertices,
-                             someField(fields_, 100 + static_cast<unsigned>(k), error))
-              : sphere_.vertices);
+      all.emplace_back(ClosedSurface(bodies_[k], sphere_.faces),
+                       error > 0 && k > 0
+                           ? fields_.flow(sphere_.vertices,
+                                          someField(fields_, 100 + static_cast<unsigned>(k), error))
+                           : sphere_.vertices);
     return all;
   }
 
@@ -281,9 +280,9 @@ TEST(Groupwise, TurnsAndScalesWithTheShapes) {
   std::vector<MappedSurface> moved;
   const Eigen::Matrix3d turn = test::randomRotation(4);
   for (const MappedSurface& map : given)
-    moved.push_back(map.of(map.surface().withVertices(
-        (1000 * map.surface().vertices() * turn.transpose()).rowwise() +
-        Eigen::RowVector3d(5000, -100, 7))));
+    moved.push_back(map.of(
+        map.surface().withVertices((1000 * map.surface().vertices() * turn.transpose()).rowwise() +
+                                   Eigen::RowVector3d(5000, -100, 7))));
   ThreadPool pool(1);
   GroupwiseParameters parameters;
   parameters.iterations = 3;

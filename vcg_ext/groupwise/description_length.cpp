@@ -11,8 +11,8 @@ DescriptionLength descriptionLengthOf(const PopulationPose& pose, double cut) {
   const auto count = static_cast<Eigen::Index>(pose.shapes.size());
   Eigen::MatrixXd rows(count, pose.mean.size());
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Points weighted = pose.weights.cwiseSqrt().asDiagonal() *
-                            (pose.shapes[static_cast<size_t>(k)] - pose.mean);
+    const Points weighted =
+        pose.weights.cwiseSqrt().asDiagonal() * (pose.shapes[static_cast<size_t>(k)] - pose.mean);
     rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(weighted.data(), weighted.size());
   }
   const Eigen::MatrixXd gram = rows * rows.transpose() / static_cast<double>(count);

@@ -8,8 +8,8 @@
 
 namespace sphere_propagation {
 
-/// The sum over the eigenvalues l of the covariance of 1 + ln(l / cut) where l is above the cut, l /
-/// cut elsewhere (H. H. Thodberg, 2003). Landmarks weigh by their area (T. Heimann et al., 2005),
+/// The sum over the eigenvalues l of the covariance of 1 + ln(l / cut) where l is above the cut, l
+/// / cut elsewhere (H. H. Thodberg, 2003). Landmarks weigh by their area (T. Heimann et al., 2005),
 /// so that to crowd where shapes do not vary gains nothing.
 struct DescriptionLength {
   double cost = 0;

@@ -59,9 +59,7 @@ class Population {
   MovingLandmarks& shape(int k) { return *shapes_[static_cast<size_t>(k)]; }
   const Triangles& faces() const { return sphere_->faces; }
 
-  PopulationPose pose() const {
-    return poseOf(points(), sphere_->faces, parameters_.alignment);
-  }
+  PopulationPose pose() const { return poseOf(points(), sphere_->faces, parameters_.alignment); }
 
   std::vector<Points> points() const {
     std::vector<Points> all;
@@ -133,10 +131,10 @@ double improveByModel(Population& population, const PopulationPose& pose,
       const auto i = static_cast<size_t>(k);
       gaps[i] -= common;
       moves[i] = rootMeanSquare(gaps[i], pose.weights);
-      population.shape(k).move(fields,
-                               population.shape(k).fieldFor(*fields, pose.turns[i], gaps[i],
-                                                            pose.weights, modelDamping),
-                               longestMove * fields->width());
+      population.shape(k).move(
+          fields,
+          population.shape(k).fieldFor(*fields, pose.turns[i], gaps[i], pose.weights, modelDamping),
+          longestMove * fields->width());
     });
     if (flow == 0) far = meanOf(moves);
   }
@@ -165,10 +163,10 @@ double improveByLength(Population& population, const PopulationPose& pose,
     for (int j = 0; j < count; ++j)
       pull += length.pull(k, j) * displacements[static_cast<size_t>(j)];
     const Points target = -pull / length.pull(k, k);
-    population.shape(k).move(fields,
-                             population.shape(k).fieldFor(*fields, pose.turns[i], target,
-                                                          pose.weights, lengthDamping),
-                             longestMove * fields->width());
+    population.shape(k).move(
+        fields,
+        population.shape(k).fieldFor(*fields, pose.turns[i], target, pose.weights, lengthDamping),
+        longestMove * fields->width());
     const Points there = population.aligned(pose, then, k) - pose.mean;
     moves.push_back(rootMeanSquare(there - displacements[i], pose.weights));
     displacements[i] = there;
@@ -208,8 +206,8 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
         parameters.surfacePrecision > 0 ? parameters.surfacePrecision : defaultPrecision;
     for (int i = 0; i < parameters.iterations && pose.variance() > noVariance; ++i) {
       report(progress, working(i));
-      result.moves.push_back(
-          radius * improveByModel(population, pose, fields, model, pool, residuals));
+      result.moves.push_back(radius *
+                             improveByModel(population, pose, fields, model, pool, residuals));
       pose = population.pose();
     }
   } else {

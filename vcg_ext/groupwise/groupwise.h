@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Groupwise optimisation of correspondence: the maps of a population are moved along their surfaces
-/// until one model of shape explains all of them together.
+/// Groupwise optimisation of correspondence: the maps of a population are moved along their
+/// surfaces until one model of shape explains all of them together.
 ///
 /// Propagation hands one map to shape after shape, and what each step loses stays lost. Here no
 /// shape is the root: each gets a diffeomorphism phi_k of the sphere, and its landmarks lie where
@@ -13,8 +13,8 @@
 ///
 /// For comparison there is the description length of R. H. Davies et al., A minimum description
 /// length approach to statistical shape modeling, 2002, as H. H. Thodberg, Minimum description
-/// length shape and appearance models, 2003, and T. Heimann et al., A shape-guided deformable model
-/// ..., 2005, minimise it, with area weights (description_length.h). It lowers its own cost, not
+/// length shape and appearance models, 2003, and T. Heimann et al., 3D active shape models using
+/// gradient descent optimization of description length, 2005, minimise it, with area weights (description_length.h). It lowers its own cost, not
 /// reliably the error: see docs/groupwise.md.
 
 #include <vector>

@@ -18,8 +18,8 @@ struct FollowedMap {
 };
 
 /// One surface with a map P, and phi, a composition of flows on the sphere: landmark j is the point
-/// that P sends to phi(u_j), u_j a vertex of an icosphere. phi is a diffeomorphism, so the map phi^-1
-/// after P is one that sends landmark j to u_j.
+/// that P sends to phi(u_j), u_j a vertex of an icosphere. phi is a diffeomorphism, so the map
+/// phi^-1 after P is one that sends landmark j to u_j.
 class MovingLandmarks {
  public:
   /// sphere: the u_j, shared by all surfaces of a population.
@@ -37,8 +37,8 @@ class MovingLandmarks {
                            double damping) const;
 
   /// phi becomes the flow of the field after phi, or a part of it where the icosphere's faces would
-  /// not stay oriented. The field is scaled so that no landmark moves farther than `longest` (radian)
-  /// at first. The fields must live as long as this object is asked for maps.
+  /// not stay oriented. The field is scaled so that no landmark moves farther than `longest`
+  /// (radian) at first. The fields must live as long as this object is asked for maps.
   void move(std::shared_ptr<const SphereFields> fields, Eigen::VectorXd theta, double longest);
 
   /// phi^-1 after P, at the surface's vertices, untangled locally (untangling.h). Where that does

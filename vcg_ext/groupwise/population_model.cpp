@@ -107,9 +107,8 @@ PopulationFit fitPopulation(const PopulationPose& pose, const std::vector<Points
 
   PopulationFit fit;
   fit.residuals.resize(count);
-  fit.expected = pool.makeEach(count, [&](int k) -> Points {
-    return pose.mean + basis.displacements(coefficients.col(k));
-  });
+  fit.expected = pool.makeEach(
+      count, [&](int k) -> Points { return pose.mean + basis.displacements(coefficients.col(k)); });
   for (int k = 0; k < count; ++k) {
     const Evidence& one = evidence[static_cast<size_t>(k)];
     const Eigen::VectorXd c = coefficients.col(k);

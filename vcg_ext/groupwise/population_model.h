@@ -27,9 +27,9 @@ struct PopulationFit {
 /// mean shape (motion_basis.h). Observed are n_kj . (x_kj - mean_j) with precision beta w_j, w_j
 /// the landmarks' shares of area:
 ///
-///   H_k = sum_j w_j (B_j^T n_kj) (B_j^T n_kj)^T,  h_k = sum_j w_j B_j^T n_kj n_kj . (x_kj - mean_j),
-///   E: c_k = (beta H_k + Sigma^-1)^-1 (beta h_k + Sigma^-1 mu),
-///   M: mu = mean of c_k,  (K + p) Sigma = sum_k (c_k - mu) (c_k - mu)^T
+///   H_k = sum_j w_j (B_j^T n_kj) (B_j^T n_kj)^T,  h_k = sum_j w_j B_j^T n_kj n_kj . (x_kj -
+///   mean_j), E: c_k = (beta H_k + Sigma^-1)^-1 (beta h_k + Sigma^-1 mu), M: mu = mean of c_k,  (K
+///   + p) Sigma = sum_k (c_k - mu) (c_k - mu)^T
 ///                                         + K (beta H + Sigma^-1)^-1 + p Sigma_0,
 ///
 /// H the mean of the H_k, Sigma_0 the prior (each coordinate of a landmark varies as much as they

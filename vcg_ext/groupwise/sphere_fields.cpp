@@ -91,8 +91,8 @@ Points SphereFields::flow(const Points& points, const Eigen::VectorXd& theta, do
   for (int i = 0; i < steps; ++i) {
     if (i > 0) field = at(here, theta);
     for (Eigen::Index p = 0; p < here.rows(); ++p)
-      middle.row(p) = alongGeodesic(here.row(p).transpose(), step / 2 * field.row(p).transpose())
-                          .transpose();
+      middle.row(p) =
+          alongGeodesic(here.row(p).transpose(), step / 2 * field.row(p).transpose()).transpose();
     field = at(middle, theta);
     for (Eigen::Index p = 0; p < here.rows(); ++p) {
       // The velocity at the middle, carried back along the way: what leads from x through there.

@@ -12,7 +12,8 @@ LandmarkReader::LandmarkReader(const MappedSurface& surface)
       normals_(vertexNormals(surface.surface().vertices(), surface.faces())),
       walk_(surface) {}
 
-// The point under u is sum w_i p_i / sum w_i with w_i = u . (b x c) and so on, which is linear in u.
+// The point under u is sum w_i p_i / sum w_i with w_i = u . (b x c) and so on, which is linear in
+// u.
 SurfaceLandmarks LandmarkReader::read(const Points& directions) {
   const Eigen::Index count = directions.rows();
   SurfaceLandmarks found{Points(count, 3), Points(count, 3), {}};
