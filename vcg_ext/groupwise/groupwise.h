@@ -14,8 +14,8 @@
 /// For comparison there is the description length of R. H. Davies et al., A minimum description
 /// length approach to statistical shape modeling, 2002, as H. H. Thodberg, Minimum description
 /// length shape and appearance models, 2003, and T. Heimann et al., 3D active shape models using
-/// gradient descent optimization of description length, 2005, minimise it, with area weights (description_length.h). It lowers its own cost, not
-/// reliably the error: see docs/groupwise.md.
+/// gradient descent optimization of description length, 2005, minimise it, with area weights
+/// (description_length.h). It lowers its own cost, not reliably the error: see docs/groupwise.md.
 
 #include <vector>
 
