@@ -234,6 +234,8 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = in_full(name, getattr(parameters, name))
         require_choice(name, value, NAMED[name])
         parameters = replace(parameters, **{name: value})
+    if not isinstance(parameters.groupwise, (bool, np.bool_)):
+        raise InputError(f"groupwise must be True or False, not {parameters.groupwise!r}.")
     for name in ("area_weight", "area_restoration"):
         value = real_number(name, getattr(parameters, name), finite=False)
         if not 0 <= value <= 1:

@@ -549,11 +549,11 @@ def test_numbers_in_digits(tmp_path, word, text):
 
 
 def unsure(returned):
-    """What the filter says of the file, as (kind, message, layer)."""
+    """What the filter says of the file, as (kind, message, subject)."""
     if "warnings" not in returned:
         return []
     remarks = json.loads(bytes(returned["warnings"].astype(int).tolist()).decode())
-    return [(r["kind"], r["message"], r["layer"]) for r in remarks]
+    return [(r["kind"], r["message"], r["subject"]) for r in remarks]
 
 
 def analyze(folder):

@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-only
+"""Prints the table of docs/groupwise.md: populations whose true correspondence is known, through
+PyMeshLab, with every parameter of the filters as it comes, but for one column.
+
+    groupwise.py [DATA] [NAME ...]
+
+    DATA    folder with classic and finch_skulls
+            (default SPHERE_PROPAGATION_DATA, else ../shared/data)
+    NAME    rows to print: bump, ellipsoids, skull, hippocampus, "other skull", head (default: all)
+
+Every shape is meshed anew, so that its vertices say nothing, with noise of a twentieth of the mean
+edge along the normals. The error is that of all ordered pairs (s, t): the mean distance, by area,
+of the landmarks of t from where the truth carries those of s; measured by DATA/../yardstick.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+from made_motions import meshed
+from setting import DATA, PLUGIN, yardstick
+
+SHAPES = 16
+FREQUENCY = 10  # of the landmarks
+
+
+class Population:
+    """shapes: vertices of each, all with the same faces."""
+
+    def __init__(self, shapes, faces):
+        self.shapes, self.faces = shapes, faces
+
+    def at(self, k):
+        return self.shapes[k], self.faces
+
+
+def sphere(frequency):
+    made = pymeshlab.MeshSet()
+    made.create_sphere(radius=1, subdiv=frequency)
+    mesh = made.current_mesh()
+    directions = mesh.vertex_matrix()
+    return directions / np.linalg.norm(directions, axis=1, keepdims=True), mesh.face_matrix()
+
+
+def bump(random):
+    """The box of Davies with a bump that slides along it: one mode, which is linear."""
+    u, faces = sphere(5)
+    r = (u**4).sum(1) ** -0.25  # a rounded cube, stretched to a bar
+    x = u * r[:, None] * [30, 10, 10]
+    x[:, 2] *= np.where(x[:, 2] < 0, 1 + 0.4 * x[:, 0] / 30, 1)  # tapers: no symmetry to fall for
+    height = u[:, 2] * r
+    top = 1 / (1 + np.exp(-(height - 0.75) / 0.05))
+    along, across = x[:, 0], x[:, 1]
+    bulge = 8 * np.exp(-((along / 5) ** 4) - (across / 6) ** 4) * top
+    slide = np.clip((29 - np.abs(along)) / 21, 0, 1) * np.clip((height - 0.2) / 0.4, 0, 1)
+    x[:, 2] += bulge
+    places = random.permutation(np.linspace(-1, 1, SHAPES))
+    moved = [x + np.outer(14 * s * slide, [1, 0, 0]) for s in places]
+    return Population(moved, faces)
+
+
+def ellipsoids(random):
+    u, faces = sphere(5)
+    axes = [(30 + 6 * random.randn(), 20 + 3 * random.randn(), 14) for _ in range(SHAPES)]
+    return Population([u * axis for axis in axes], faces)
+
+
+def warped(surface, modes, size, random):
+    """A population with `modes` modes, each of two waves of space; size: the first mode's root mean
+    square, in radii of gyration."""
+    vertices, faces = surface
+    centre = vertices.mean(0)
+    radius = np.sqrt(((vertices - centre) ** 2).sum(1).mean())
+    x = (vertices - centre) / radius
+    fields = []
+    for mode in range(modes):
+        field = np.zeros_like(x)
+        for _ in range(2):
+            wave, direction, phase = 1.6 * random.randn(3), random.randn(3), random.rand()
+            field += np.sin(x @ wave + 2 * np.pi * phase)[:, None] * direction
+        rms = np.sqrt((field**2).sum(1).mean())
+        fields.append(field / rms * size * radius * 0.75**mode)
+    moved = [vertices + sum(random.randn() * f for f in fields) for _ in range(SHAPES)]
+    return Population(moved, faces)
+
+
+def populations(data, measure):
+    """Name to what makes it, the vertices of a shape, and the seed."""
+
+    def surface(file):
+        vertex, faces = measure.read_ply(data / file)
+        return measure.points(vertex), faces
+
+    skulls = sorted((data / "finch_skulls").glob("*.ply"))
+    return {
+        "bump": (bump, 3000, 5),
+        "ellipsoids": (ellipsoids, 2500, 5),
+        "skull": (lambda r: warped(surface(skulls[0]), 5, 0.12, r), 3500, 5),
+        "hippocampus": (lambda r: warped(surface("classic/hippocampus.ply"), 4, 0.15, r), 3000, 5),
+        "other skull": (lambda r: warped(surface(skulls[6]), 6, 0.12, r), 3000, 77),
+        "head": (lambda r: warped(surface("classic/maxplanck.ply"), 4, 0.14, r), 3000, 78),
+    }
+
+
+def landmarks(project):
+    project.apply_filter("generate_icosphere_remeshing", frequency=FREQUENCY)
+    return [project.mesh(SHAPES + k).vertex_matrix() for k in range(SHAPES)]
+
+
+def areas(points, faces):
+    p = points[faces]
+    face = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1) / 6
+    return np.bincount(faces.ravel(), np.repeat(face, 3), len(points))
+
+
+def error_of_pairs(measure, truth, found, faces):
+    errors = []
+    for s in range(SHAPES):
+        face, weight, _ = measure.closest_points(*truth.at(s), found[s])
+        share = areas(found[s], faces)
+        for t in set(range(SHAPES)) - {s}:
+            carried = np.einsum("pk,pkj->pj", weight, truth.shapes[t][truth.faces[face]])
+            distance = np.linalg.norm(carried - found[t], axis=1)
+            errors.append(share @ distance / share.sum())
+    return np.mean(errors)
+
+
+def propagated(meshes):
+    project = pymeshlab.MeshSet()
+    for vertices, faces in meshes:
+        project.add_mesh(pymeshlab.Mesh(vertices, faces.astype(np.int32)))
+    project.set_current_mesh(0)
+    project.apply_filter("compute_spherical_parameterisation_root")
+    project.apply_filter("transfer_spherical_parameterisation_to_layers", order="Similarity tree")
+    return project
+
+
+def flips(measure, project):
+    return sum(
+        measure.map_figures(
+            mesh.vertex_matrix(),
+            mesh.face_matrix(),
+            mesh.vertex_custom_point_attribute_matrix("sphere_position"),
+        )["flips"]
+        for mesh in (project.mesh(k) for k in range(SHAPES))
+    )
+
+
+def main():
+    names = sys.argv[1:]
+    data = Path(names.pop(0)).resolve() if names and Path(names[0]).is_dir() else DATA
+    measure, _ = yardstick(data)
+    pymeshlab.load_plugin(str(PLUGIN))
+    made = populations(data, measure)
+    print(
+        "| shapes | propagated | groupwise | where they lie (`alignment` None) | flipped faces | "
+        "CPU s |\n| --- | --- | --- | --- | --- | --- |"
+    )
+    for name in names or made:
+        make, vertices, seed = made[name]
+        random = np.random.RandomState(seed)
+        truth = make(random)
+        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+        errors, flipped, seconds = [], 0, []
+        for alignment in (None, "Rigid", "None"):
+            project = propagated(meshes)
+            start = time.process_time()
+            if alignment:
+                project.apply_filter(
+                    "compute_spherical_parameterisation_groupwise", alignment=alignment
+                )
+            seconds.append(time.process_time() - start)
+            found = landmarks(project)
+            faces = project.mesh(SHAPES).face_matrix()
+            errors.append(error_of_pairs(measure, truth, found, faces))
+            flipped += flips(measure, project)
+        cells = [name, *(f"{error:.2f}" for error in errors), flipped, f"{seconds[1]:.1f}"]
+        print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
