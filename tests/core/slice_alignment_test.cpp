@@ -92,6 +92,20 @@ TEST(SliceAlignment, LeavesSmoothStacksAlone) {
   EXPECT_TRUE(found(test::labelsOf(tube, {80, 30, 9}, spacing)).empty());
 }
 
+TEST(SliceAlignment, LeavesSlicesAloneWhereOutlinesFitNowhere) {
+  // A vertebra: its body, and an arch that begins and ends at once.
+  for (const double apart : {1.0, 4.0, 6.0}) {
+    const LabelGrid vertebra = test::labelsOf(
+        [](const Vector3& x) {
+          const double arch = std::hypot(x[0], x[1] - 9);
+          const bool body = std::pow(x[0] / 14, 2) + std::pow((x[1] + 11) / 11, 2) < 1;
+          return (body && std::fabs(x[2]) < 9) || (std::fabs(arch - 12) < 3 && std::fabs(x[2]) < 5);
+        },
+        {50, 70, static_cast<int>(30 / apart)}, Vector3(1, 1, apart));
+    EXPECT_TRUE(findSliceShifts(test::maskOf(vertebra), Vector3(1, 1, apart)).empty()) << apart;
+  }
+}
+
 TEST(SliceAlignment, FindsASliceThatStandsOut) {
   for (const bool wall : {false, true})
     for (const int slice : {4, 5, 6, 8, 10}) {

@@ -59,8 +59,13 @@ class Registration {
 
   std::vector<Outline>& outlines() { return outlines_; }
 
-  /// Where slice b lies, seen from slice a: 0 where they fit as they are.
-  Eigen::Vector2i offset(const Outline& a, const Outline& b) const {
+  struct Fit {
+    Eigen::Vector2i offset;  // 0 where they fit as they are
+    double misfit;
+  };
+
+  /// Where slice b lies, seen from slice a.
+  Fit fit(const Outline& a, const Outline& b) const {
     const Eigen::Vector2i apart = (a.centre - b.centre).array().round().cast<int>();
     Eigen::Vector2i best = Eigen::Vector2i::Zero();
     double least = -1;
@@ -87,7 +92,7 @@ class Registration {
         best = at;
       }
     }
-    return -best;
+    return {-best, least};
   }
 
  private:
@@ -187,13 +192,18 @@ std::vector<SlicePlace> slicePlaces(const Mask& mask) {
   for (size_t i = 0; i < outlines.size(); ++i) {
     SlicePlace place;
     place.slice = outlines[i].slice;
-    if (i > 0) place.step = registration.offset(outlines[i - 1], outlines[i]);
+    if (i > 0) {
+      const Registration::Fit fit = registration.fit(outlines[i - 1], outlines[i]);
+      place.step = fit.offset;
+      place.misfit = fit.misfit;
+    }
     places.push_back(place);
   }
   for (size_t i = 0; i < outlines.size(); ++i) {
     places[i].hull = std::move(outlines[i].hull);
     if (i == 0) continue;
     const SliceHull &a = places[i - 1].hull, &b = places[i].hull;
+    places[i].misfit /= std::sqrt(std::min(a.area(), b.area()));
     if (a.common(b) >= minMeeting * std::min(a.area(), b.area()))
       places[i - 1].meets = places[i].meets = true;
   }

@@ -32,6 +32,8 @@ struct SlicePlace {
   int slice = 0;                                   ///< z
   Eigen::Vector2i step = Eigen::Vector2i::Zero();  ///< along x, y, from the slice with a label
                                                    ///< before, voxels; of the first 0
+  double misfit = 0;   ///< of the outlines after the step: their mean absolute deviation, over the
+                       ///< square root of the smaller hull's area
   bool meets = false;  ///< whether much of it, or of the other, lies on a slice beside it
   SliceHull hull;
 };
