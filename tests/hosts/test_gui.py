@@ -162,7 +162,8 @@ def test_a_filter_is_chosen_while_a_file_is_read(meshlab, surfaces, tmp_path):
         gui.start()
         until(lambda: gui.message() or gui.log().count("Opened mesh") == 2, "an answer")
         if gui.message():  # a quick machine may have read it by now
-            assert "still being read" in gui.message() or "no map" in gui.message()
+            answers = ("still being read", "no map", "it is not closed")  # the sphere lacks its poles
+            assert any(answer in gui.message() for answer in answers)
             gui.close_message()
         opened(gui, 2)
 
