@@ -162,7 +162,11 @@ def test_a_filter_is_chosen_while_a_file_is_read(meshlab, surfaces, tmp_path):
         gui.start()
         until(lambda: gui.message() or gui.log().count("Opened mesh") == 2, "an answer")
         if gui.message():  # a quick machine may have read it by now
-            answers = ("still being read", "no map", "it is not closed")  # the sphere lacks its poles
+            answers = (
+                "still being read",
+                "no map",
+                "it is not closed",
+            )  # the sphere lacks its poles
             assert any(answer in gui.message() for answer in answers)
             gui.close_message()
         opened(gui, 2)
