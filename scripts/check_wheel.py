@@ -109,7 +109,7 @@ def wheel_complaints(path):
             f"{name} does not belong into it"
             for name in names
             if not re.match(
-                r"sphere_propagation/[\w.]+$|sphere_propagation/lib/(lib[\w.-]+\.so[\d.]*|COPYRIGHT\.[\w.-]+\.txt)$|_sphere_propagation_command\.py$|sphere_propagation-[\d.]+\.dist-info/",
+                r"sphere_propagation/(explorer_page/)?[\w.]+$|sphere_propagation/lib/(lib[\w.-]+\.so[\d.]*|COPYRIGHT\.[\w.-]+\.txt)$|_sphere_propagation_command\.py$|sphere_propagation-[\d.]+\.dist-info/",
                 name,
             )
         ]
