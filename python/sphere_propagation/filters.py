@@ -245,6 +245,13 @@ def parameterise_root(
     return layers.map_of(meshes.mesh(0), figures)
 
 
+def _maps_with_figures(meshes, figures, count: int) -> List[SphereMap]:
+    """Of the first meshes, each with its row of a filter's figures."""
+    return [
+        layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES)) for i in range(count)
+    ]
+
+
 def propagate(
     surfaces: Sequence[SurfaceLike],
     root_map: MapLike,
@@ -313,10 +320,7 @@ def propagate(
             "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, "
             "lies on the unit sphere, or is called like a layer of a shape model.",
         )
-    maps = [
-        layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
-        for i in range(len(surfaces))
-    ]
+    maps = _maps_with_figures(meshes, figures, len(surfaces))
     residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
@@ -371,10 +375,7 @@ def optimise_groupwise(
             "surfaces.",
         )
     run = [figures.pop(key) for key in ("move_by_iteration", "total_variance", "surface_precision")]
-    moved = [
-        layers.map_of(meshes.mesh(i), layers.row(figures, i, MAP_FIGURES))
-        for i in range(len(surfaces))
-    ]
+    moved = _maps_with_figures(meshes, figures, len(surfaces))
     return Optimisation(moved, figures, *run)
 
 
