@@ -8,6 +8,7 @@ std::vector<std::unique_ptr<host::Filter>> makeFilters() {
   filters.push_back(makePhantomFilter());
   filters.push_back(makePreparationFilter());
   filters.push_back(makeRootFilter());
+  filters.push_back(makeAnchorFilter());
   filters.push_back(makePropagationFilter());
   filters.push_back(makeGroupwiseFilter());
   filters.push_back(makeRemeshingFilter());

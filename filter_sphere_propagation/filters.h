@@ -11,6 +11,7 @@ namespace sphere_propagation {
 
 std::unique_ptr<host::Filter> makePhantomFilter();       ///< Beating ventricle phantom
 std::unique_ptr<host::Filter> makeRootFilter();          ///< Spherical parameterise root
+std::unique_ptr<host::Filter> makeAnchorFilter();        ///< Load anchors
 std::unique_ptr<host::Filter> makePropagationFilter();   ///< Propagate parameterisation to layers
 std::unique_ptr<host::Filter> makeGroupwiseFilter();     ///< Optimise parameterisations groupwise
 std::unique_ptr<host::Filter> makeRemeshingFilter();     ///< Remesh by icosphere

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
+#include <set>
 #include <sstream>
 #include <utility>
 
+#include "filter_sphere_propagation/anchor_sources.h"
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/messages.h"
@@ -34,6 +37,12 @@ constexpr host::Named<Order> orders[]{{"Time", Order::Time},
                                       {"Similarity tree", Order::SimilarityTree},
                                       {"Star", Order::Star},
                                       {"Given", Order::Given}};
+
+constexpr host::Named<AnchorUse> anchorUses[]{
+    {"Off", AnchorUse::Off}, {"Soft", AnchorUse::Soft}, {"Exact", AnchorUse::Exact}};
+
+/// Beyond that an anchor contradicts the others.
+constexpr double maxStandardised = 3;
 
 /// "1, 2; -1 2": whole numbers between commas, semicolons and blanks.
 std::vector<int> parseNumbers(const std::string& text) {
@@ -117,6 +126,9 @@ class PropagationFilter : public host::Filter {
             help_.parameter("area_restoration", 0.0),
             help_.parameter("residual_quality", false),
             help_.parameter("mirror_layers", false),
+            help_.parameter("anchors", host::choiceOf(anchorUses, AnchorUse::Soft)),
+            help_.parameter("anchor_files", std::string()),
+            help_.parameter("anchor_sd", AnchorParameters{}.deviation),
             help_.parameter("anisotropic_scaling", published.anisotropicScaling).asAdvanced(),
             help_.parameter("icp_iterations", published.icpIterations).asAdvanced(),
             help_.parameter("smoothing_sweeps", published.smoothingSweeps).asAdvanced(),
@@ -133,6 +145,8 @@ class PropagationFilter : public host::Filter {
     else if (!task.values.text("parents").empty())
       task.say(messages::parentsNotLookedAt);
 
+    PropagationParameters parameters = asked;
+    parameters.anchors.layers = readAnchors(task, participants, asked.anchors.use);
     Sequence sequence(participants.surfaces());
     PropagationTree tree;
     const bool mirrors = task.values.flag("mirror_layers");
@@ -149,7 +163,10 @@ class PropagationFilter : public host::Filter {
       for (size_t i = 0; i < mirrorPlanes.size(); ++i)
         if (mirrorPlanes[i]) participants.meshes[i].surface = sequence.surface(static_cast<int>(i));
     }
-    PropagationParameters parameters = asked;
+    for (size_t i = 0; i < parameters.anchors.layers.size(); ++i)
+      if (mirrorPlanes[i])
+        for (auto& [name, place] : parameters.anchors.layers[i])
+          place[0] = 2 * *mirrorPlanes[i] - place[0];
     if (order.kind == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
     logNotes(task, participants, tree);
     const Propagation propagated =
@@ -166,6 +183,7 @@ class PropagationFilter : public host::Filter {
     warnOfSides(task, participants, sides, mirrors);
     host::Outputs outputs = write(task, participants, propagated.layers);
     outputs["mirrored"] = mirrored;
+    reportAnchors(task, participants, parameters.anchors, propagated.layers, outputs);
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
       const auto label = [&](int i) { return participants.layers[static_cast<size_t>(i)].label(); };
@@ -187,8 +205,102 @@ class PropagationFilter : public host::Filter {
     parameters.published.icpIterations = values.integer("icp_iterations");
     parameters.published.smoothingSweeps = values.integer("smoothing_sweeps");
     parameters.threads = values.integer("threads");
+    parameters.anchors.use = values.choice("anchors", anchorUses);
+    parameters.anchors.deviation = values.real("anchor_sd");
     requireValid(parameters);
     return parameters;
+  }
+
+  /// Those of each layer; empty where there are none at all, or none on the root.
+  static std::vector<AnchorSet> readAnchors(const host::Task& task,
+                                            const Participants& participants, AnchorUse use) {
+    std::vector<AnchorSet> found(participants.layers.size());
+    if (use == AnchorUse::Off) return {};
+    const std::string folder = task.values.text("anchor_files");
+    bool any = false, inFolder = false;
+    for (size_t i = 0; i < found.size(); ++i) {
+      const host::Layer& layer = participants.layers[i];
+      const std::string file = folder.empty() ? "" : anchorFileIn(folder, layer);
+      inFolder = inFolder || !file.empty();
+      if (!file.empty())
+        found[i] = anchorsFrom(task, file, layer, AnchorFrame::World);
+      else
+        found[i] = layer.anchors();
+      if (file.empty() && found[i].empty())
+        found[i] = anchorsBeside(task, layer, AnchorFrame::World);
+      any = any || !found[i].empty();
+    }
+    if (!folder.empty() && !inFolder) throw host::Refusal(messages::noAnchorsInFolder, folder);
+    if (!any) return {};
+    for (size_t i = 0; i < found.size(); ++i)
+      warnOfFarAnchors(task, participants.layers[i], found[i]);
+    const auto root = static_cast<size_t>(participants.root);
+    std::set<std::string> missing;
+    for (const AnchorSet& anchors : found)
+      for (const auto& [name, place] : anchors)
+        if (found[root].count(name) == 0) missing.insert(name);
+    if (!missing.empty())
+      task.sayOf(participants.layers[root], messages::anchorsNotOnRoot,
+                 namesIn({missing.begin(), missing.end()}));
+    if (found[root].empty()) return {};
+    return found;
+  }
+
+  /// What became of the anchors. Entries of layer i and anchor k, in the order of the names, stand
+  /// at i times the number of anchors, plus k.
+  static void reportAnchors(const host::Task& task, const Participants& participants,
+                            const AnchorParameters& anchors,
+                            const std::vector<PropagatedLayer>& propagated,
+                            host::Outputs& outputs) {
+    if (anchors.layers.empty()) return;
+    std::vector<std::string> names;
+    for (const auto& [name, place] : anchors.layers[static_cast<size_t>(participants.root)])
+      names.push_back(name);
+    const auto layers = static_cast<Eigen::Index>(propagated.size()),
+               count = static_cast<Eigen::Index>(names.size());
+    Eigen::VectorXd before(layers * count), after(layers * count), standardised(layers * count),
+        widening(layers);
+    double sumBefore = 0, sumAfter = 0;
+    int compared = 0, measured = 0;
+    for (Eigen::Index i = 0; i < layers; ++i) {
+      const PropagatedLayer& layer = propagated[static_cast<size_t>(i)];
+      widening[i] = layer.anchors.widening;
+      std::set<size_t> named;
+      for (const auto& [one, other] : layer.anchors.exchanged) {
+        task.sayOf(participants.layers[static_cast<size_t>(i)], messages::anchorsExchanged,
+                   names[one], names[other]);
+        named.insert({one, other});
+      }
+      for (Eigen::Index k = 0; k < count; ++k) {
+        const auto place = static_cast<size_t>(k);
+        const Eigen::Index entry = i * count + k;
+        before[entry] = layer.anchors.before[place];
+        after[entry] = layer.anchors.after[place];
+        standardised[entry] = layer.anchors.standardised[place];
+        if (layer.parent < 0 || !std::isfinite(after[entry])) continue;
+        sumAfter += after[entry];
+        ++measured;
+        if (std::isfinite(before[entry])) sumBefore += before[entry], ++compared;
+        // With one anchor there are no others.
+        if (standardised[entry] > maxStandardised && count > 1 && named.count(place) == 0)
+          task.sayOf(participants.layers[static_cast<size_t>(i)], messages::anchorContradicts,
+                     names[place], standardised[entry]);
+      }
+    }
+    if (measured > 0)
+      task.say(messages::anchorsHeeded, anchors.use == AnchorUse::Exact ? "exact" : "soft",
+               namesIn(names), compared > 0 ? shortNumber(sumBefore / compared) : "?",
+               sumAfter / measured);
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : "\n") + name;
+    Eigen::VectorXd bytes(static_cast<Eigen::Index>(text.size()));
+    for (size_t i = 0; i < text.size(); ++i)
+      bytes[static_cast<Eigen::Index>(i)] = static_cast<unsigned char>(text[i]);
+    outputs["anchor_names"] = bytes;
+    outputs["anchor_distance"] = after;
+    outputs["anchor_distance_before"] = before;
+    outputs["anchor_z"] = standardised;
+    outputs["prior_widening"] = widening;
   }
 
   static MappedSurface readRoot(const Participants& participants) {

@@ -86,6 +86,13 @@ void turn(CFaceO& face, bool hasTexture) {
   first ? face.SetF(2) : face.ClearF(2);
 }
 
+std::vector<std::string> anchorAttributesOf(const CMeshO& mesh) {
+  std::vector<std::string> names;
+  for (const std::string& name : pointAttributeNames(mesh))
+    if (name.rfind(anchorAttributePrefix, 0) == 0) names.push_back(name);
+  return names;
+}
+
 void mirrorLayer(MeshModel& layer, double plane) {
   CMeshO& mesh = layer.cm;
   Eigen::Matrix4d reflection = Eigen::Matrix4d::Identity();
@@ -112,6 +119,10 @@ void mirrorLayer(MeshModel& layer, double plane) {
     if (!hasDirections) continue;
     v.PD1() = moved(v.cPD1(), Vector3::Zero());
     v.PD2() = moved(v.cPD2(), Vector3::Zero());
+  }
+  for (const std::string& attribute : anchorAttributesOf(mesh)) {
+    auto handle = Allocator::FindPerVertexAttribute<Point3m>(mesh, attribute);
+    for (size_t v = 0; v < mesh.vert.size(); ++v) handle[v] = moved(handle[v], shift);
   }
   layer.clearDataMask(MeshModel::MM_FACEFACETOPO |
                       MeshModel::MM_VERTFACETOPO);  // MeshLab makes them where it needs them
@@ -184,6 +195,12 @@ struct Changes::MarkChange {
   int value;
 };
 
+struct Changes::AnchorChange {
+  int layerId;
+  AnchorSet anchors;  // by attribute, as stored
+  std::vector<std::string> gone;
+};
+
 struct Changes::PlaceChange {
   int layerId;
   Vector3 inPlace;
@@ -236,6 +253,16 @@ std::optional<Remark> Changes::setMap(const Layer& layer, const MeshSurface& sur
 
 void Changes::setMark(const Layer& layer, const char* name, int value) {
   marks_.push_back({layer.id(), name, value});
+}
+
+void Changes::setAnchors(const Layer& layer, const AnchorSet& anchors) {
+  AnchorChange change{layer.id(), {}, {}};
+  for (const auto& [name, place] : transformed(anchors, layer.matrix().inverse()))
+    if (place.allFinite()) change.anchors.emplace(anchorAttribute(name), place);
+  for (const auto& [name, place] : layer.anchors())
+    if (change.anchors.count(anchorAttribute(name)) == 0)
+      change.gone.push_back(anchorAttribute(name));
+  anchors_.push_back(std::move(change));
 }
 
 void Changes::mirror(const Layer& layer, double plane) { mirrors_.push_back({layer.id(), plane}); }
@@ -327,6 +354,13 @@ void Changes::remakeMesh(const Layer& layer, const MeshContent& former, RemadeMe
     for (Eigen::Index v = 0; v < count; ++v)
       if (const CVertexO* p = formerVertex(v)) (*made.quality)[v] = static_cast<double>(p->cQ());
   }
+  for (const std::string& attribute : anchorAttributesOf(old))
+    if (old.vn > 0 && isInvertible) {
+      const auto places = pointAttribute(old, attribute);
+      const auto first = std::find_if(old.vert.begin(), old.vert.end(),
+                                      [](const CVertexO& v) { return !v.IsD(); });
+      made.pointAttributes[attribute] = places->row(first - old.vert.begin()).replicate(count, 1);
+    }
   made.scalarAttributes = std::move(mesh.scalarAttributes);
   made.selectedVertices = std::move(mesh.selectedVertices);
   made.selectedFaces = std::move(mesh.selectedFaces);
@@ -351,7 +385,10 @@ class Changes::Preparation {
       : changes_(changes),
         document_(changes.document_),
         current_(document_.mm() != nullptr ? document_.mm()->id() : -1) {
-    made_.reserve(2 * changes.maps_.size() + changes.marks_.size() + 2 * changes.places_.size());
+    size_t anchors = 0;
+    for (const AnchorChange& change : changes.anchors_) anchors += change.anchors.size();
+    made_.reserve(2 * changes.maps_.size() + changes.marks_.size() + 2 * changes.places_.size() +
+                  anchors);
     enabled_.reserve(changes.maps_.size() + changes.qualities_.size());
     written_.reserve(changes.layers_.size());
   }
@@ -372,6 +409,9 @@ class Changes::Preparation {
     }
     for (const MarkChange& change : changes_.marks_)
       make<Scalarm>(layer(change.layerId), change.name);
+    for (const AnchorChange& change : changes_.anchors_)
+      for (const auto& [attribute, place] : change.anchors)
+        make<Point3m>(layer(change.layerId), attribute);
     for (const PlaceChange& change : changes_.places_) {
       if (!change.aside) continue;
       make<Point3m>(layer(change.layerId), inPlaceAttribute);
@@ -491,6 +531,12 @@ int Changes::commit() {
   for (const MarkChange& change : marks_)
     markMesh(document_.getMesh(static_cast<unsigned int>(change.layerId))->cm, change.name,
              change.value);
+  for (const AnchorChange& change : anchors_) {
+    CMeshO& mesh = document_.getMesh(static_cast<unsigned int>(change.layerId))->cm;
+    for (const std::string& attribute : change.gone)
+      Allocator::DeletePerVertexAttribute(mesh, attribute);
+    for (const auto& [attribute, place] : change.anchors) fillAttribute(mesh, attribute, place);
+  }
   for (const PlaceChange& change : places_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
     if (change.aside) {

@@ -69,6 +69,10 @@ class Changes {
   /// Puts a mark on a layer, see layers.h.
   void setMark(const Layer& layer, const char* name, int value);
 
+  /// Puts anchors on a layer in place of those that it has. anchors: the layer's matrix, as it is
+  /// in place, applied.
+  void setAnchors(const Layer& layer, const AnchorSet& anchors);
+
   /// Reflects what a layer shows across the plane x = plane, and turns its faces so that they look
   /// outward as before, with what belongs to their corners; normals are made anew. The matrix
   /// stays, unless it flattens the layer: then it becomes the identity. A map that is set is that
@@ -128,6 +132,7 @@ class Changes {
   struct ColorChange;
   struct QualityChange;
   struct MarkChange;
+  struct AnchorChange;
   struct PlaceChange;
   struct LayerChange;
   MeshDocument& document_;
@@ -136,6 +141,7 @@ class Changes {
   std::vector<ColorChange> colors_;
   std::vector<QualityChange> qualities_;
   std::vector<MarkChange> marks_;
+  std::vector<AnchorChange> anchors_;
   std::vector<PlaceChange> places_;
   std::vector<LayerChange> layers_;
   std::vector<int> removedIds_;

@@ -35,6 +35,9 @@ std::vector<const MeshModel*> meshesOf(const MeshDocument& document);
 /// of this name.
 std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name);
 
+/// The names of all per-vertex point attributes, in their order.
+std::vector<std::string> pointAttributeNames(const CMeshO& mesh);
+
 /// A per-vertex scalar attribute: one entry per element of mesh.vert; nothing when the mesh has
 /// none of this name.
 std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "host/layers.h"
 
+#include <QByteArray>
+#include <QFileInfo>
 #include <QRegularExpression>
 #include <algorithm>
 #include <cmath>
@@ -55,9 +57,27 @@ bool isModelName(const QString& label) {
   return pattern.match(withoutFileEnding(label)).hasMatch();
 }
 
+bool isAnchorsName(const QString& label) {
+  static const QRegularExpression pattern("\\S anchors( ?\\(\\d+\\))?$");
+  return pattern.match(withoutFileEnding(label)).hasMatch();
+}
+
 }  // namespace
 
 namespace {
+
+bool standsForItself(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_';
+}
+
+/// The name of the anchor that an attribute holds; nothing where it holds none.
+std::optional<std::string> anchorOfAttribute(const std::string& attribute) {
+  const std::string prefix = anchorAttributePrefix;
+  if (attribute.size() <= prefix.size() || attribute.rfind(prefix, 0) != 0) return std::nullopt;
+  return QByteArray::fromPercentEncoding(QByteArray::fromStdString(attribute.substr(prefix.size())))
+      .toStdString();
+}
 
 /// A point attribute of one value for all vertices.
 std::optional<Vector3> firstOf(const MeshModel& mesh, const char* name) {
@@ -67,6 +87,22 @@ std::optional<Vector3> firstOf(const MeshModel& mesh, const char* name) {
 }
 
 }  // namespace
+
+std::string anchorAttribute(const std::string& anchor) {
+  constexpr const char* digits = "0123456789ABCDEF";
+  std::string attribute = anchorAttributePrefix;
+  for (const char c : anchor) {
+    if (standsForItself(c)) {
+      attribute += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    attribute += '%';
+    attribute += digits[byte / 16];
+    attribute += digits[byte % 16];
+  }
+  return attribute;
+}
 
 double coordinateEpsilon() { return static_cast<double>(std::numeric_limits<Scalarm>::epsilon()); }
 
@@ -84,6 +120,7 @@ bool Layer::visible() const { return mesh_->isVisible(); }
 
 LayerKind Layer::kind() const {
   if (isModelName(mesh_->label())) return LayerKind::Model;
+  if (isAnchorsName(mesh_->label())) return LayerKind::Anchors;
   if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
   if (frequencyOf(mesh_->cm)) return LayerKind::Landmarks;
   return LayerKind::Surface;
@@ -166,6 +203,21 @@ std::optional<MappedSurface> Layer::map(const MeshSurface& surface) const {
 
 bool Layer::hasAttribute() const {
   return pointAttribute(mesh_->cm, spherePositionAttribute).has_value();
+}
+
+AnchorSet Layer::anchors() const {
+  AnchorSet anchors;
+  for (const std::string& attribute : pointAttributeNames(mesh_->cm)) {
+    const std::optional<std::string> name = anchorOfAttribute(attribute);
+    const std::optional<Vector3> place = name ? firstOf(*mesh_, attribute.c_str()) : std::nullopt;
+    if (place && place->allFinite()) anchors.emplace(*name, *place);
+  }
+  return transformed(anchors, matrix());
+}
+
+std::string Layer::fileName() const {
+  const QString name = mesh_->fullName();
+  return name.isEmpty() ? "" : QFileInfo(name).absoluteFilePath().toStdString();
 }
 
 std::optional<int> Layer::mark(const char* name) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "vcg_ext/anchors/anchor_set.h"
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/mesh/vcg_conversion.h"
 #include "vcg_ext/sphere/mapped_surface.h"
@@ -42,6 +43,13 @@ constexpr const char* lidAttribute = "lid";
 constexpr const char* inPlaceAttribute = "shown_in_place";
 constexpr const char* asideAttribute = "shown_aside";
 
+/// Anchors, the user's own landmarks, as point attributes of one value for all vertices, which go
+/// where the map goes: this and the anchor's name, of which each byte that is not a letter of
+/// ASCII, a digit, '-' or '_' is written %20. The value is a place in the frame of the vertices as
+/// they are stored.
+constexpr const char* anchorAttributePrefix = "anchor_";
+std::string anchorAttribute(const std::string& anchor);
+
 /// What a layer is, told from what it holds, so that nothing need be hidden by hand and files
 /// loaded again are known.
 enum class LayerKind {
@@ -49,6 +57,7 @@ enum class LayerKind {
   Landmarks,  ///< its face list is the icosphere's of its size
   Sphere,     ///< its vertices all lie on the unit sphere
   Model,      ///< made by the shape model: "mean shape", "mode 1 -3 sd"
+  Anchors,    ///< spheres that show anchors: "heart anchors"
 };
 
 /// The relative precision of the coordinates that the host's meshes hold.
@@ -101,6 +110,10 @@ class Layer {
   /// The number of the lid of each vertex, 0 where it is on none; empty: the layer has no lids.
   /// meshVertex: as MeshSurface or MeshContent has it.
   std::vector<int> lids(const std::vector<int>& meshVertex) const;
+  /// Its anchors, its matrix applied as it is in place; those without a finite place are left out.
+  AnchorSet anchors() const;
+  /// The file that it was loaded from, with its folder; empty where there is none.
+  std::string fileName() const;
   /// The number of a mark; nothing where the layer has none, or more than one.
   std::optional<int> mark(const char* name) const;
   /// Stands for what is stored as the layer's map, valid or not, and for its faces; nothing where

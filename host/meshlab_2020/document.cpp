@@ -80,6 +80,12 @@ std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name
                             name);  // this VCG reads those of meshes that may change only
 }
 
+std::vector<std::string> pointAttributeNames(const CMeshO& mesh) {
+  std::vector<std::string> names;  // VCG reads those of meshes that may change only
+  vcg::tri::Allocator<CMeshO>::GetAllPerVertexAttribute<Point3m>(const_cast<CMeshO&>(mesh), names);
+  return names;
+}
+
 std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name) {
   return copyScalarAttribute(const_cast<CMeshO&>(mesh), name);
 }

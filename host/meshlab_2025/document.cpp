@@ -43,6 +43,12 @@ std::optional<Points> pointAttribute(const CMeshO& mesh, const std::string& name
   return copyPointAttribute(mesh, name);
 }
 
+std::vector<std::string> pointAttributeNames(const CMeshO& mesh) {
+  std::vector<std::string> names;  // VCG reads those of meshes that may change only
+  vcg::tri::Allocator<CMeshO>::GetAllPerVertexAttribute<Point3m>(const_cast<CMeshO&>(mesh), names);
+  return names;
+}
+
 std::optional<Eigen::VectorXd> scalarAttribute(const CMeshO& mesh, const std::string& name) {
   return copyScalarAttribute(mesh, name);
 }

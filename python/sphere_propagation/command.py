@@ -209,6 +209,9 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         area_restoration=options.area_restoration,
         mirror_layers=options.mirror_layers,
         groupwise=options.groupwise,
+        anchors=options.anchors,
+        anchor_sd=options.anchor_sd,
+        exact=options.exact_anchors,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
     preparation = steps if options.prepare else None
@@ -596,6 +599,25 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "--groupwise",
         action="store_true",
         help="optimise all maps together before landmarks are made; for shapes in no order",
+    )
+    add(
+        "--anchors",
+        metavar="FOLDER",
+        help="of files with points that must correspond, called as the meshes are: MeshLab's .pp, "
+        "3D Slicer's .mrk.json and .fcsv, scalismo's .json, tables of name, x, y, z",
+    )
+    add(
+        "--anchor-sd",
+        type=_number(float, 0),
+        default=DEFAULTS.anchor_sd,
+        metavar="LENGTH",
+        help="how far an anchor may be off in each coordinate, as a standard deviation (default: "
+        "0, the mesh's mean edge length)",
+    )
+    add(
+        "--exact-anchors",
+        action="store_true",
+        help="every map has the anchors in exactly the root's places",
     )
     add(
         "--labels",

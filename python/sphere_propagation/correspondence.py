@@ -12,7 +12,9 @@ from . import attention
 from .errors import FilterError, InputError, SpherePropagationWarning
 from .filters import (
     MAX_LANDMARKS,
+    AnchorFit,
     Figures,
+    anchors_of,
     optimise_groupwise,
     parameterise_root,
     propagate,
@@ -21,6 +23,7 @@ from .filters import (
 from .parameters import (
     DEFAULTS,
     NAMED,
+    Anchors,
     CorrespondenceParameters,
     Parents,
     in_full,
@@ -56,6 +59,7 @@ class Correspondence:
     # (10 f^2 + 2,), True where a landmark lies on a lid of half of the surfaces or more, so that it
     # is made up; shape_model leaves it out.
     lid: Optional[np.ndarray] = None
+    anchors: Optional[AnchorFit] = None  # what became of them, where there were some
 
     def __repr__(self) -> str:
         return (
@@ -80,6 +84,9 @@ def correspond(
     root_map: Optional[MapLike] = None,
     mirror_layers: bool = DEFAULTS.mirror_layers,
     groupwise: bool = DEFAULTS.groupwise,
+    anchors: Anchors = DEFAULTS.anchors,
+    anchor_sd: float = DEFAULTS.anchor_sd,
+    exact: bool = DEFAULTS.exact,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
@@ -93,6 +100,7 @@ def correspond(
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
     groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
     as optimise_groupwise does; for shapes in no order.
+    anchors, anchor_sd, exact: points that must correspond, as of propagate.
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
@@ -109,6 +117,9 @@ def correspond(
         area_restoration=area_restoration,
         mirror_layers=mirror_layers,
         groupwise=groupwise,
+        anchors=anchors,
+        anchor_sd=anchor_sd,
+        exact=exact,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
 
@@ -162,6 +173,9 @@ def _correspond(
         parents=parameters.parents,
         area_restoration=parameters.area_restoration,
         mirror_layers=parameters.mirror_layers,
+        anchors=parameters.anchors,
+        anchor_sd=parameters.anchor_sd,
+        exact=parameters.exact,
     )
     surfaces = propagation.surfaces
     figures = dict(propagation.figures)
@@ -195,6 +209,7 @@ def _correspond(
         figures=figures,
         unit=unit,
         lid=2 * landmarks.lid.sum(0) >= len(surfaces),
+        anchors=propagation.anchors,
     )
 
 
@@ -234,12 +249,17 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = in_full(name, getattr(parameters, name))
         require_choice(name, value, NAMED[name])
         parameters = replace(parameters, **{name: value})
-    if not isinstance(parameters.groupwise, (bool, np.bool_)):
-        raise InputError(f"groupwise must be True or False, not {parameters.groupwise!r}.")
+    for name in ("groupwise", "exact"):
+        if not isinstance(getattr(parameters, name), (bool, np.bool_)):
+            raise InputError(f"{name} must be True or False, not {getattr(parameters, name)!r}.")
     for name in ("area_weight", "area_restoration"):
         value = real_number(name, getattr(parameters, name), finite=False)
         if not 0 <= value <= 1:
             raise InputError(f"{name} must lie between 0 and 1, not at {value}.")
+    anchors_of(parameters.anchors, count)
+    sd = real_number("anchor_sd", parameters.anchor_sd, finite=False)
+    if not 0 <= sd < np.inf:
+        raise InputError(f"anchor_sd must be 0 or more, not {sd}.")
     max_frequency = int(((MAX_LANDMARKS / count - 2) / 10) ** 0.5)
     frequency = whole_number("frequency", parameters.frequency)
     if not 1 <= frequency <= max_frequency:

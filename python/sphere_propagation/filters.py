@@ -9,14 +9,25 @@ depth is in the filters' help and in docs/. Every map that comes back is certifi
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence, Union
+from pathlib import Path
+from typing import Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from . import adapters, layers, plugin
 from .errors import FilterError, InputError
 from .model import ShapeModel
-from .parameters import DEFAULTS, NAMED, Parents, in_full, listed, whole_number, whole_numbers
+from .parameters import (
+    DEFAULTS,
+    NAMED,
+    Anchors,
+    Parents,
+    in_full,
+    listed,
+    real_number,
+    whole_number,
+    whole_numbers,
+)
 from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces, counted
 
@@ -66,6 +77,28 @@ class LabelSurfaces:
 
 
 @dataclass(frozen=True, eq=False)
+class AnchorFit:
+    """What became of anchors: by surface and, in the order of `names`, by anchor; NaN where a
+    surface lacks it.
+
+    names: of the root's anchors. distance: how far the surface's anchor lies from the place of the
+    root's, in their unit; distance_before: the same for the place that the surface's parent brings
+    along, nothing fitted yet (Robust). z: how many standard deviations per coordinate it lies from
+    where the others say that it is (Robust). widening: by surface, by how much more variance than
+    the prior's they ask for.
+    """
+
+    names: List[str]
+    distance: np.ndarray
+    distance_before: np.ndarray
+    z: np.ndarray
+    widening: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"AnchorFit({', '.join(self.names)}; {np.nanmean(self.distance):.3g} off on average)"
+
+
+@dataclass(frozen=True, eq=False)
 class Propagation:
     """Maps of all surfaces, in their order, and the figures of the filter.
 
@@ -80,6 +113,7 @@ class Propagation:
     branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the
     maps of the two branches are apart where they meet.
     surfaces: what the maps are of: those given, but for the ones that were reflected.
+    anchors: where there were some.
     """
 
     maps: List[SphereMap]
@@ -88,6 +122,7 @@ class Propagation:
     branch_distance: Optional[float] = None
     branch_angle: Optional[float] = None
     surfaces: Optional[List[Surface]] = None
+    anchors: Optional[AnchorFit] = None
 
     def __repr__(self) -> str:
         return (
@@ -263,6 +298,9 @@ def propagate(
     area_restoration: float = DEFAULTS.area_restoration,
     residual_quality: bool = False,
     mirror_layers: bool = DEFAULTS.mirror_layers,
+    anchors: Anchors = DEFAULTS.anchors,
+    anchor_sd: float = DEFAULTS.anchor_sd,
+    exact: bool = DEFAULTS.exact,
     anisotropic_scaling: bool = True,
     icp_iterations: int = 30,
     smoothing_sweeps: int = 50,
@@ -281,6 +319,11 @@ def propagate(
     residual_quality: whether `residuals` is returned.
     mirror_layers: reflect a surface that is a mirror image of the others, a left bone among right
     ones, before its map is made: the maps are then those of `surfaces` in what is returned.
+    anchors: points that must correspond, per surface a dictionary (name -> x, y, z) or None; or a
+    folder of files, called as the surfaces are (docs/anchors.md). Names join them; a surface may
+    lack some.
+    anchor_sd: how far each may be off in each coordinate, as a standard deviation; 0: the surface's
+    mean edge length. exact: whether every map has them in exactly the root's places.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with
     any number.
@@ -298,10 +341,14 @@ def propagate(
         )
     if not isinstance(parents, str):
         parents = ", ".join(map(str, whole_numbers("parents", parents)))
-    meshes = layers.mesh_set(surfaces, {root_layer: root_map})
+    places, folder = anchors_of(anchors, len(surfaces))
+    meshes = layers.mesh_set(surfaces, {root_layer: root_map}, places)
     figures = layers.apply(
         meshes,
         PROPAGATE,
+        anchors="Off" if places is None and not folder else "Exact" if exact else "Soft",
+        anchor_files=folder,
+        anchor_sd=real_number("anchor_sd", anchor_sd),
         root_layer=root_layer,
         method=method,
         order=order,
@@ -322,6 +369,15 @@ def propagate(
         )
     maps = _maps_with_figures(meshes, figures, len(surfaces))
     residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
+    fit = None
+    if "anchor_distance" in figures:
+        by_anchor = {
+            name: figures.pop(f"anchor_{name}").reshape(len(surfaces), -1)
+            for name in ("distance", "distance_before", "z")
+        }
+        widening = figures.pop("prior_widening")
+        names = bytes(map(int, figures.pop("anchor_names"))).decode().split("\n")
+        fit = AnchorFit(names, **by_anchor, widening=widening)
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
         replace(layers.surface_of(meshes.mesh(i), surface.name), space=surface.space)
@@ -329,7 +385,48 @@ def propagate(
         else surface
         for i, surface in enumerate(surfaces)
     ]
-    return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped)
+    return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped, anchors=fit)
+
+
+def anchors_of(anchors: Anchors, count: int):
+    """Per surface its anchors, None where there are none at all; and the folder of files, if it is
+    one that was given."""
+    if anchors is None:
+        return None, ""
+    if isinstance(anchors, (str, Path)):
+        if not Path(anchors).is_dir():
+            raise InputError(f"anchors: {anchors} is no folder.")
+        return None, str(anchors)
+    given = listed("anchors", anchors)
+    if len(given) != count:
+        raise InputError(
+            f"anchors must be one dictionary or None per surface: {len(given)} for {count} "
+            "surfaces."
+        )
+    return [_places(i, one) for i, one in enumerate(given)], ""
+
+
+def _places(number: int, anchors) -> Dict[str, np.ndarray]:
+    if anchors is None:
+        return {}
+    if not isinstance(anchors, Mapping):
+        raise InputError(
+            f"The anchors of surface {number} must be a dictionary, name -> (x, y, z), not "
+            f"{type(anchors).__name__}."
+        )
+    places = {}
+    for name, place in anchors.items():
+        try:
+            point = np.asarray(place, float)
+        except (TypeError, ValueError):
+            point = np.zeros(0)
+        if point.shape != (3,) or not np.isfinite(point).all() or not str(name):
+            raise InputError(
+                f"The place of anchor {str(name)!r} of surface {number} must be three numbers, not "
+                f"{place!r}."
+            )
+        places[str(name)] = point
+    return places
 
 
 def optimise_groupwise(

@@ -9,6 +9,7 @@ import re
 # left alone, since they are words.
 PARAMETERS = (
     "align_slices",
+    "anchor_sd",
     "area_restoration",
     "area_weight",
     "file_series",
@@ -24,6 +25,7 @@ PARAMETERS = (
 # The same of one word, where a message begins with it.
 WORDS = (
     "alignment",
+    "anchors",
     "frequency",
     "method",
     "order",

@@ -194,6 +194,12 @@ def _where(paths: Sequence[Path], names: Sequence[str]) -> str:
     return f"{names[0]} to {names[-1]}, from {folders} folders"
 
 
+def _anchors(found: Optional[filters.AnchorFit], parameters: CorrespondenceParameters) -> str:
+    if found is None:
+        return "none"
+    return f"{', '.join(found.names)} ({'exact' if parameters.exact else 'soft'})"
+
+
 def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:
     """What a result depends on, beside its inputs."""
     parameters, root = choices.parameters, result.surfaces[result.root]
@@ -211,6 +217,7 @@ def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:
         "area restoration": f"{parameters.area_restoration:g}",
         "mirror layers": "yes" if parameters.mirror_layers else "no",
         "groupwise": "yes" if parameters.groupwise else "no",
+        "anchors": _anchors(result.anchors, parameters),
         "unit": result.unit,
     }
     facts.update({name.replace("_", " "): value for name, value in choices.volume.items()})

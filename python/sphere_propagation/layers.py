@@ -20,9 +20,20 @@ LID = "lid"
 _kept = []
 
 
-def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, SphereMap]] = None):
-    """One layer per surface, numbered as in the list, with the maps that are given; the first is
-    the current one."""
+def anchor_attribute(name: str) -> str:
+    """Where a layer carries the anchor of this name, as host/layers.h says."""
+    return "anchor_" + re.sub(
+        rb"[^A-Za-z0-9_-]", lambda found: b"%%%02X" % found[0][0], name.encode()
+    ).decode("ascii")
+
+
+def mesh_set(
+    surfaces: Sequence[Surface] = (),
+    maps: Optional[Mapping[int, SphereMap]] = None,
+    anchors: Optional[Sequence[Mapping[str, np.ndarray]]] = None,
+):
+    """One layer per surface, numbered as in the list, with the maps and anchors that are given; the
+    first is the current one."""
     pymeshlab = plugin.register()
     meshes = pymeshlab.MeshSet()
     for i, (surface, name) in enumerate(zip(surfaces, distinct_names(surfaces))):
@@ -44,6 +55,9 @@ def mesh_set(surfaces: Sequence[Surface] = (), maps: Optional[Mapping[int, Spher
             mesh.add_vertex_custom_point_attribute(sphere.positions, ATTRIBUTE)
         if surface.lid is not None:
             mesh.add_vertex_custom_scalar_attribute(surface.lid.astype(float), LID)
+        for anchor, place in (anchors[i] if anchors else {}).items():
+            places = np.tile(place, (len(surface.vertices), 1))
+            mesh.add_vertex_custom_point_attribute(places, anchor_attribute(anchor))
         meshes.add_mesh(mesh, name)
     if meshes.mesh_number():
         meshes.set_current_mesh(0)

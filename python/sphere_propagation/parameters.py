@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Optional, Sequence, Union
+from typing import List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -40,6 +40,10 @@ NAMED = {
 }
 
 Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers
+
+# A folder of files with anchors, called as the surfaces are; or per surface a dictionary, name ->
+# (x, y, z), or None.
+Anchors = Union[None, str, Path, Sequence[Optional[Mapping[str, Sequence[float]]]]]
 
 
 # The parameters that are on or off, of all filters.
@@ -80,6 +84,9 @@ class CorrespondenceParameters:
     area_restoration: float = 0.0
     mirror_layers: bool = False
     groupwise: bool = False
+    anchors: Anchors = None
+    anchor_sd: float = 0.0
+    exact: bool = False
 
 
 DEFAULTS = CorrespondenceParameters()

@@ -13,6 +13,7 @@ import pytest
 
 PHANTOM = "create_ventricle_phantom"
 ROOT = "compute_spherical_parameterisation_root"
+LOAD = "load_anchors_to_layers"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 GROUPWISE = "compute_spherical_parameterisation_groupwise"
 REMESH = "generate_icosphere_remeshing"
@@ -26,6 +27,7 @@ FILTERS = [
     PHANTOM,
     PREPARE,
     ROOT,
+    LOAD,
     PROPAGATE,
     GROUPWISE,
     REMESH,
@@ -40,6 +42,7 @@ MENU_OF = {
     PHANTOM: "Beating ventricle phantom",
     PREPARE: "Prepare surface",
     ROOT: "Spherical parameterise root",
+    LOAD: "Load anchors",
     PROPAGATE: "Propagate parameterisation to layers",
     GROUPWISE: "Optimise parameterisations groupwise",
     REMESH: "Remesh by icosphere",

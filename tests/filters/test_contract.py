@@ -11,6 +11,7 @@ from documents import (
     FILTERS,
     GROUPWISE,
     LAYOUT,
+    LOAD,
     MENU_OF,
     MODEL,
     PHANTOM,
@@ -30,7 +31,8 @@ from environment import PROJECT
 from surfaces import egg
 
 # Parameters in their order, with their defaults; a list is a choice whose first entry is the
-# default.
+# default, unless CHOSEN says otherwise.
+CHOSEN = {"anchors": 1}
 PARAMETERS = {
     PHANTOM: {"part": ["Cavity", "Wall"], "phases": 25, "voxel_size": 2.0, "twist": 0.0, "seed": 0},
     PREPARE: {
@@ -50,6 +52,7 @@ PARAMETERS = {
         "area_weight": 0.9,
         "threads": 0,
     },
+    LOAD: {"file_name": "", "coordinates": ["World", "Mesh"], "show_anchors": False},
     PROPAGATE: {
         "root_layer": 0,
         "method": ["Robust", "As published"],
@@ -58,6 +61,9 @@ PARAMETERS = {
         "area_restoration": 0.0,
         "residual_quality": False,
         "mirror_layers": False,
+        "anchors": ["Off", "Soft", "Exact"],
+        "anchor_files": "",
+        "anchor_sd": 0.0,
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,
@@ -124,6 +130,7 @@ RETURNED = {
         "seconds",
     },
     ROOT: set(FIGURES),
+    LOAD: {"anchors"},
     PROPAGATE: {
         "parent",
         "residual_mean",
@@ -188,7 +195,7 @@ def test_filters_are_known_to_pymeshlab():
 def test_parameters_and_their_defaults(name):
     ms = small_cycle(2)
     found = ms.filter_parameter_values(name)
-    meant = {k: 0 if isinstance(v, list) else v for k, v in PARAMETERS[name].items()}
+    meant = {k: CHOSEN.get(k, 0) if isinstance(v, list) else v for k, v in PARAMETERS[name].items()}
     assert list(found) == list(meant)
     assert found == pytest.approx(meant, rel=1e-6)
     assert {k: type(v) for k, v in found.items()} == {k: type(v) for k, v in meant.items()}

@@ -43,9 +43,10 @@ FILTERS = {  # menu entry -> menus that show it
     },
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
     "Prepare surface": {"Cleaning and Repairing"},
+    "Load anchors": {"Mesh Layer"},
     "Lay layers side by side": {"Mesh Layer"},
 }
-ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-2]
+ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-3]
 PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
 IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"

@@ -15,7 +15,10 @@ from sphere_propagation.surface import distinct_names
 FUNCTIONS = {
     sp.read_label_volume: (filters.IMPORT, {"file_name"}),  # which comes first
     sp.parameterise_root: (filters.ROOT, set()),
-    sp.propagate: (filters.PROPAGATE, set()),
+    sp.propagate: (
+        filters.PROPAGATE,
+        {"anchors", "anchor_files"},
+    ),  # of the same names, but with other values (test_anchors.py)
     sp.remesh: (
         filters.REMESH,
         {"color_landmarks", "landmark_colors", "beside_surfaces"},
@@ -68,6 +71,8 @@ def test_parameters_are_the_filters(function):
     found = keywords(function)
     if function is sp.shape_model:
         del found["lid"]  # marks, which layers carry themselves
+    if function is sp.propagate:
+        del found["anchors"], found["exact"]  # which are one there
     assert set(found) == set(meant) - left_out
     for parameter, default in found.items():
         value = default

@@ -6,12 +6,14 @@
 #include <string>
 #include <utility>
 
+#include "vcg_ext/anchors/exact_map.h"
 #include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/propagation/published_strategy.h"
 #include "vcg_ext/propagation/robust_strategy.h"
+#include "vcg_ext/sphere/sphere_locator.h"
 
 namespace sphere_propagation {
 namespace {
@@ -36,6 +38,65 @@ void requireFit(const Sequence& sequence, const MappedSurface& root, const Propa
 /// Of layers that have a map like the others' the residual, in radii, is at most 2.5 times as large
 /// as theirs; with one that a bad arc stretches (skulls of twelve species), 4.5 times.
 constexpr double muchFarther = 3, deviationsFarther = 6, edgesFarther = 0.5;
+
+/// The root's anchors on all layers.
+AnchorPlaces placesOf(const AnchorParameters& anchors, const Sequence& sequence, int root) {
+  AnchorPlaces places;
+  if (anchors.use == AnchorUse::Off || anchors.layers.empty()) return places;
+  if (anchors.layers.size() != static_cast<size_t>(sequence.size()))
+    throw ArgumentError("There are anchors of " + std::to_string(anchors.layers.size()) +
+                        " surfaces, but " + std::to_string(sequence.size()) + " surfaces.");
+  for (const auto& [name, point] : anchors.layers[static_cast<size_t>(root)])
+    places.names.push_back(name);
+  if (places.names.empty()) return places;
+  for (int i = 0; i < sequence.size(); ++i) {
+    const AnchorSet& ofLayer = anchors.layers[static_cast<size_t>(i)];
+    places.points.push_back(ofLayer.empty()
+                                ? std::vector<SurfacePoint>(places.names.size())
+                                : closestPoints(sequence[i].locator(), ofLayer, places.names));
+  }
+  return places;
+}
+
+/// The places of the root's anchors on the sphere.
+std::vector<Vector3> placesOnSphere(const MappedSurface& root,
+                                    const std::vector<SurfacePoint>& points) {
+  std::vector<Vector3> places;
+  for (const SurfacePoint& point : points) places.push_back(placeOf(root, point));
+  return places;
+}
+
+/// Moves the map of a layer until it holds its anchors.
+void holdAnchors(PropagatedLayer& layer, const std::vector<size_t>& there,
+                 const std::vector<SurfacePoint>& points, const std::vector<Vector3>& places,
+                 const std::vector<std::string>& names) {
+  std::vector<SurfacePoint> its;
+  std::vector<Vector3> targets;
+  std::vector<std::string> called;
+  for (const size_t k : there) {
+    its.push_back(points[k]);
+    targets.push_back(places[k]);
+    called.push_back(names[k]);
+  }
+  ExactMap exact = holdExactly(layer.map(), its, targets, called);
+  layer.transferred.map = std::move(exact.map);
+  layer.transferred.repairedFaces += exact.untangledFaces;
+}
+
+/// How far each anchor lies from what the layer's map has at the root's place.
+void measureAnchors(PropagatedLayer& layer, const std::vector<size_t>& there,
+                    const std::vector<SurfacePoint>& points, const std::vector<Vector3>& places) {
+  const std::vector<double> unknown(places.size(), std::nan(""));
+  AnchorFigures& figures = layer.anchors;
+  for (std::vector<double>* numbers : {&figures.before, &figures.after, &figures.standardised})
+    if (numbers->empty()) *numbers = unknown;
+  const SphereLocator under(layer.map());
+  const Points& vertices = layer.map().surface().vertices();
+  for (const size_t k : there) {
+    const Vector3 mapped = under.locate(places[k]).interpolate(layer.map().faces(), vertices);
+    figures.after[k] = (mapped - points[k].interpolate(layer.map().faces(), vertices)).norm();
+  }
+}
 
 std::unique_ptr<PropagationStrategy> strategyOf(const PropagationParameters& parameters) {
   if (parameters.method == PropagationMethod::AsPublished)
@@ -71,6 +132,7 @@ std::vector<char> residualsThatStandOut(const Sequence& sequence,
 void requireValid(const PropagationParameters& parameters) {
   requireRange("area restoration", parameters.areaRestoration, Range::between(0, 1));
   requireRange("number of threads", parameters.threads, Range::atLeast(0));
+  requireRange("standard deviation of anchors", parameters.anchors.deviation, Range::atLeast(0));
 }
 
 Propagation propagate(const Sequence& sequence, const MappedSurface& root,
@@ -81,7 +143,13 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
   const bool restores = parameters.areaRestoration > 0;
   ThreadPool pool(parameters.threads);
   const std::vector<LayerSize> sizes = findLayerSizes(sequence, tree);
-  const PropagationTask task{sequence, root, tree, parameters.closing, sizes, pool};
+  const AnchorPlaces places = placesOf(parameters.anchors, sequence, tree.root());
+  std::vector<double> deviations;
+  for (int i = 0; i < sequence.size() && !places.empty(); ++i)
+    deviations.push_back(parameters.anchors.deviation > 0 ? parameters.anchors.deviation
+                                                          : sequence[i].meanEdge());
+  const PropagationTask task{sequence, root, tree,   parameters.closing,
+                             sizes,    pool, places, deviations};
   Propagation result =
       strategyOf(parameters)->propagate(task, part(progress, 0, restores ? propagationShare : 1));
   const std::vector<char> farther = residualsThatStandOut(sequence, result.layers);
@@ -89,18 +157,31 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
     result.layers[i].size = sizes[i];
     result.layers[i].residualStandsOut = farther[i] != 0;
   }
-  if (!restores) return result;
-  // In a second round: children have read the map of their parent as it was.
-  const Progress ofRestoration = part(progress, propagationShare, 1);
-  for (int i = 0, done = 0; i < sequence.size(); ++i) {
-    if (i == tree.root()) continue;
-    const double arcs = sequence.size() - 1;
-    const Stopwatch watch;
-    PropagatedLayer& layer = result.layers[static_cast<size_t>(i)];
-    layer.transferred.map = restoreArea(layer.map(), parameters.areaRestoration,
-                                        part(ofRestoration, done / arcs, (done + 1) / arcs));
-    layer.seconds += watch.seconds();
-    ++done;
+  if (restores) {
+    // In a second round: children have read the map of their parent as it was.
+    const Progress ofRestoration = part(progress, propagationShare, 1);
+    for (int i = 0, done = 0; i < sequence.size(); ++i) {
+      if (i == tree.root()) continue;
+      const double arcs = sequence.size() - 1;
+      const Stopwatch watch;
+      PropagatedLayer& layer = result.layers[static_cast<size_t>(i)];
+      layer.transferred.map = restoreArea(layer.map(), parameters.areaRestoration,
+                                          part(ofRestoration, done / arcs, (done + 1) / arcs));
+      layer.seconds += watch.seconds();
+      ++done;
+    }
+  }
+  if (!places.empty()) {
+    // Last of all, as restoring areas moves what was held.
+    const std::vector<Vector3> onSphere =
+        placesOnSphere(root, places.points[static_cast<size_t>(tree.root())]);
+    pool.forEach(sequence.size(), [&](int i) {
+      const auto k = static_cast<size_t>(i);
+      const std::vector<size_t> there = places.of(k);
+      if (parameters.anchors.use == AnchorUse::Exact && i != tree.root() && !there.empty())
+        holdAnchors(result.layers[k], there, places.points[k], onSphere, places.names);
+      measureAnchors(result.layers[k], there, places.points[k], onSphere);
+    });
   }
   report(progress, 1);
   return result;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "vcg_ext/anchors/anchor_set.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/propagation/motion/motion_propagation.h"
 #include "vcg_ext/propagation/published/published_propagation.h"
@@ -15,6 +16,21 @@ namespace sphere_propagation {
 enum class PropagationMethod {
   Robust,       ///< robust_strategy.h
   AsPublished,  ///< published_strategy.h
+};
+
+enum class AnchorUse {
+  Off,
+  Soft,   ///< they take part in the fit (motion_anchors.h), as pairs of R in the published steps
+  Exact,  ///< as Soft, and then each map is moved until it holds them (exact_map.h)
+};
+
+struct AnchorParameters {
+  AnchorUse use = AnchorUse::Soft;
+  /// Standard deviation of a click per coordinate, in the unit of the vertices; 0: the layer's mean
+  /// edge length.
+  double deviation = 0;
+  /// One set per layer, or none at all. Those that the root lacks are not looked at.
+  std::vector<AnchorSet> layers = {};
 };
 
 struct PropagationParameters {
@@ -30,6 +46,7 @@ struct PropagationParameters {
   std::optional<Arc> closing = {};
   int threads = 0;  ///< 0: as many as the machine runs at once; the maps are the same with any
   MotionParameters motion = {};  ///< of method Robust
+  AnchorParameters anchors = {};
 };
 
 /// Throws ParameterError where a parameter is out of range, whatever the layers.
@@ -44,7 +61,7 @@ std::vector<char> residualsThatStandOut(const Sequence& sequence,
 /// sequence: the layers, in the order of the tree's numbers; root: the surface of the tree's root,
 /// with its map; tree: one entry per layer, of any of the orders in propagation_order.h. Throws
 /// ParameterError when the arguments do not fit together or a parameter is out of range, and what
-/// the method throws, which names the layer.
+/// the method throws, which names the layer; with exact anchors, AnchorError as holdExactly does.
 Propagation propagate(const Sequence& sequence, const MappedSurface& root,
                       const PropagationTree& tree, const PropagationParameters& parameters = {},
                       const Progress& progress = {});

@@ -5,18 +5,39 @@
 
 namespace sphere_propagation {
 
+namespace {
+
+/// The corner of each anchor's face that it is nearest to, at the place of the root's anchor.
+std::vector<NodeAt> anchorsOf(const PropagationTask& task, size_t layer) {
+  std::vector<NodeAt> nodes;
+  const auto root = static_cast<size_t>(task.tree.root());
+  for (const size_t k : task.anchors.of(layer)) {
+    const SurfacePoint &there = task.anchors.points[layer][k],
+                       &ofRoot = task.anchors.points[root][k];
+    Eigen::Index corner = 0;
+    there.weights.maxCoeff(&corner);
+    nodes.push_back({task.sequence.surface(static_cast<int>(layer)).faces()(there.face, corner),
+                     ofRoot.interpolate(task.root.faces(), task.root.positions()).normalized()});
+  }
+  return nodes;
+}
+
+}  // namespace
+
 Propagation PublishedStrategy::propagate(const PropagationTask& task,
                                          const Progress& progress) const {
   Propagation result;
   result.layers = overArcs(task, progress, [&](int i, const PropagatedLayer& parent) {
     const Stopwatch watch;
-    PropagatedLayer layer{
-        propagateAsPublished(parent.map(), task.sequence.surface(i), parameters_)};
+    PropagatedLayer layer{propagateAsPublished(parent.map(), task.sequence.surface(i), parameters_,
+                                               anchorsOf(task, static_cast<size_t>(i)))};
     layer.seconds = watch.seconds();
     return layer;
   });
   result.closing = overClosingArc(task, result.layers, [&](const MappedSurface& from, int to) {
-    return propagateAsPublished(from, task.sequence.surface(to), parameters_).map;
+    return propagateAsPublished(from, task.sequence.surface(to), parameters_,
+                                anchorsOf(task, static_cast<size_t>(to)))
+        .map;
   });
   return result;
 }

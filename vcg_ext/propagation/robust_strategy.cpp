@@ -49,9 +49,13 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   const Sequence sized = inRootsSize(task.sequence, task.sizes, task.tree);
   const std::vector<LayerPose> poses = findLayerPoses(sized, task.tree, task.pool);
   const Sequence laid = laidInRootsFrame(sized, poses);
+  std::vector<double> deviations = task.anchorDeviations;
+  for (size_t i = 0; i < deviations.size(); ++i)
+    deviations[i] *=
+        sized[static_cast<int>(i)].radius() / task.sequence[static_cast<int>(i)].radius();
   FollowedMotion followed =
       followMotion(laid, task.root, task.tree, task.pool, part(progress, 0, followingShare),
-                   task.closing, parameters_);
+                   task.closing, parameters_, task.anchors, deviations);
   Propagation result;
   result.learnt = followed.learnt;
   result.averaged = followed.averaged;
@@ -82,7 +86,10 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
     if (const double unit = task.sequence[i].radius() / sized[i].radius(); unit != 1) {
       for (double& distance : transferred.distances) distance *= unit;
       transferred.residual = residualOf(transferred.distances);
+      if (!followed.anchors.empty())
+        for (double& distance : followed.anchors[k].before) distance *= unit;
     }
+    if (!followed.anchors.empty()) result.layers[k].anchors = std::move(followed.anchors[k]);
     result.layers[k].pose = poses[k];
   }
   return result;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "vcg_ext/anchors/anchor_places.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/propagation/motion/motion_prior.h"
@@ -36,6 +37,7 @@ struct PropagatedLayer {
   LayerSize size = {};  ///< beside the others
   /// Whether it lies much farther off than the others do (residualsThatStandOut).
   bool residualStandsOut = false;
+  AnchorFigures anchors = {};  ///< empty where there are no anchors
 
   const MappedSurface& map() const { return transferred.map; }
 };
@@ -60,6 +62,8 @@ struct PropagationTask {
   const std::optional<Arc>& closing;  ///< an arc beside the tree
   const std::vector<LayerSize>& sizes;
   ThreadPool& pool;
+  const AnchorPlaces& anchors;                  ///< on the layers; empty: none
+  const std::vector<double>& anchorDeviations;  ///< of each layer, in the unit of its vertices
 };
 
 class PropagationStrategy {

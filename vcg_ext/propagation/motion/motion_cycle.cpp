@@ -8,7 +8,8 @@ namespace sphere_propagation {
 
 std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Sequence& sequence,
                                               const ClosedCycle& cycle, const MotionFit& fit,
-                                              const MotionPrior& prior, ThreadPool& pool) {
+                                              const MotionPrior& prior, ThreadPool& pool,
+                                              const MotionAnchors& anchors) {
   const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
   std::vector<Eigen::VectorXd> around(brought.size(), Eigen::VectorXd::Zero(MotionBasis::columns));
   pool.forEach(2, [&](int chain) {
@@ -24,11 +25,11 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
       // nodes lie on the layer then, and one iteration does.
       if (!fit.lost[from] && !fit.lost[to]) {
         here = fitArcAgain(model, sequence[end], here, prior, brought[to] - brought[from],
-                           {fit.equations[to].matrix, fit.factors[to]});
+                           {fit.equations[to].matrix, fit.factors[to]}, anchors.of(to));
         around[to] = here;
         continue;
       }
-      ArcFit arc = fitArc(model, sequence[end], here, prior);
+      ArcFit arc = fitArc(model, sequence[end], here, prior, {}, arcIterations, anchors.of(to));
       around[to] = arc.coefficients;
       if (!fit.lost[to])
         here = std::move(arc.coefficients);  // what does not belong to the others leads nowhere

@@ -23,7 +23,8 @@ namespace sphere_propagation {
 /// come to each layer the other way round; zero at the root.
 std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Sequence& sequence,
                                               const ClosedCycle& cycle, const MotionFit& fit,
-                                              const MotionPrior& prior, ThreadPool& pool);
+                                              const MotionPrior& prior, ThreadPool& pool,
+                                              const MotionAnchors& anchors = {});
 
 /// The share of the chain that goes forward in the average at a number of steps from the root, 0 <
 /// step < layers: the mean of 1/2 and of (layers - step) / layers. The latter is right where error

@@ -50,51 +50,70 @@ MotionFit overTree(const Sequence& sequence, const PropagationTree& tree, Thread
   return fit;
 }
 
-}  // namespace
-
-ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
-              const Eigen::VectorXd& before, const MotionPrior& prior, const Eigen::VectorXd& start,
-              int iterations) {
+/// fitArc with a prior that is wide enough.
+ArcFit fitArcTo(const MotionModel& model, const PreparedSurface& target,
+                const Eigen::VectorXd& before, const MotionPrior& prior,
+                const Eigen::VectorXd& start, int iterations, const LayerAnchors* anchors) {
   ArcFit fit{before, {}, {}, 0};
-  if (start.size() > 0) fit.coefficients += start;
+  if (start.size() > 0)
+    fit.coefficients += start;
+  else if (anchors != nullptr)
+    fit.coefficients += anchors->step(before, prior);
   std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
   ArcEquations& e = fit.equations;
   for (int i = 0; i < iterations; ++i) {
     const MotionData data = motionDataAt(model, target, fit.coefficients, nearby);
     if (i == 0 || start.size() == 0) {
       e.matrix = informationOf(model, data) / prior.noise;
+      if (anchors != nullptr) e.matrix += anchors->information();
       fit.factor.compute(e.matrix + prior.precision);
     }
     e.vector = pullOf(model, data) / prior.noise + e.matrix * (fit.coefficients - before);
+    if (anchors != nullptr) e.vector += anchors->pull(fit.coefficients);
     fit.coefficients = before + fit.factor.solve(e.vector);
     fit.distance = data.distance;
   }
   return fit;
 }
 
+}  // namespace
+
+ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
+              const Eigen::VectorXd& before, const MotionPrior& prior, const Eigen::VectorXd& start,
+              int iterations, const LayerAnchors* anchors) {
+  const double wider = anchors == nullptr ? 1 : anchors->widening(before, prior);
+  if (wider == 1) return fitArcTo(model, target, before, prior, start, iterations, anchors);
+  return fitArcTo(model, target, before, {prior.precision / wider, prior.noise}, start, iterations,
+                  anchors);
+}
+
 Eigen::VectorXd fitArcAgain(const MotionModel& model, const PreparedSurface& target,
                             const Eigen::VectorXd& before, const MotionPrior& prior,
-                            const Eigen::VectorXd& start, const ArcSystem& system) {
+                            const Eigen::VectorXd& start, const ArcSystem& system,
+                            const LayerAnchors* anchors) {
   std::vector<int> nearby(static_cast<size_t>(model.nodes().rows()), -1);
   const MotionData data = motionDataAt(model, target, before + start, nearby);
-  return before + system.factor.solve(pullOf(model, data) / prior.noise + system.matrix * start);
+  Eigen::VectorXd vector = pullOf(model, data) / prior.noise + system.matrix * start;
+  if (anchors != nullptr) vector += anchors->pull(before + start);
+  return before + system.factor.solve(vector);
 }
 
 MotionFit fitMotion(const MotionModel& model, const Sequence& sequence, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress) {
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress,
+                    const MotionAnchors& anchors) {
   return overTree(sequence, tree, pool, progress, [&](const MotionFit& fit, size_t s, size_t t) {
     return fitArc(model, sequence[static_cast<int>(t)], fit.coefficients[s], prior, {},
-                  arcIterations);
+                  arcIterations, anchors.of(t));
   });
 }
 
 MotionFit refitMotion(const MotionModel& model, const Sequence& sequence,
                       const PropagationTree& tree, const MotionPrior& prior,
                       const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,
-                      const Progress& progress) {
+                      const Progress& progress, const MotionAnchors& anchors) {
   return overTree(sequence, tree, pool, progress, [&](const MotionFit& fit, size_t s, size_t t) {
     return fitArc(model, sequence[static_cast<int>(t)], fit.coefficients[s], prior,
-                  earlier[t] - earlier[s], arcIterationsAgain);
+                  earlier[t] - earlier[s], arcIterationsAgain, anchors.of(t));
   });
 }
 

@@ -17,6 +17,7 @@
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/propagation/motion/motion_anchors.h"
 #include "vcg_ext/propagation/motion/motion_model.h"
 #include "vcg_ext/propagation/motion/motion_prior.h"
 #include "vcg_ext/sequence/propagation_tree.h"
@@ -45,10 +46,12 @@ constexpr int arcIterations = 3, arcIterationsAgain = 2;
 /// Fits one layer: closest points, a Newton step, and again. before: the coefficients of the layer
 /// that it comes from; start: what to add to them to begin with, when H is that of the first
 /// iteration throughout, as it says how far to step, not where to; or of size 0: nothing, when H is
-/// computed at each.
+/// computed at each. anchors: of the layer (motion_anchors.h); a fit without start begins with what
+/// they and the prior say. H is with them, and Sigma as they widen it.
 ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
               const Eigen::VectorXd& before, const MotionPrior& prior,
-              const Eigen::VectorXd& start = {}, int iterations = arcIterations);
+              const Eigen::VectorXd& start = {}, int iterations = arcIterations,
+              const LayerAnchors* anchors = nullptr);
 
 /// What a fit to a layer leaves for another one to the same layer with the same prior.
 struct ArcSystem {
@@ -59,7 +62,8 @@ struct ArcSystem {
 /// One iteration from a good start, with the H of another fit. Returns the coefficients.
 Eigen::VectorXd fitArcAgain(const MotionModel& model, const PreparedSurface& target,
                             const Eigen::VectorXd& before, const MotionPrior& prior,
-                            const Eigen::VectorXd& start, const ArcSystem& system);
+                            const Eigen::VectorXd& start, const ArcSystem& system,
+                            const LayerAnchors* anchors = nullptr);
 
 /// What lies farther apart than this, in mean edge lengths of the layer and on average, does not
 /// belong together: a fit that leaves its nodes farther off has lost the layer, and so has one that
@@ -78,13 +82,14 @@ struct MotionFit {
 /// Fits all layers of a tree. sequence: the layers; tree: with the moving surface as root. pool:
 /// who does the work; layers equally far from the root are fitted at once, with the same result.
 MotionFit fitMotion(const MotionModel& model, const Sequence& sequence, const PropagationTree& tree,
-                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {});
+                    const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {},
+                    const MotionAnchors& anchors = {});
 
 /// The same where the layers were fitted with another prior: each arc starts with the step that it
 /// took there, so two iterations do. earlier: the coefficients of that fit.
 MotionFit refitMotion(const MotionModel& model, const Sequence& sequence,
                       const PropagationTree& tree, const MotionPrior& prior,
                       const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,
-                      const Progress& progress = {});
+                      const Progress& progress = {}, const MotionAnchors& anchors = {});
 
 }  // namespace sphere_propagation

@@ -95,10 +95,10 @@ MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {
 
 LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
                              const PropagationTree& tree, ThreadPool& pool,
-                             const Progress& progress) {
+                             const Progress& progress, const MotionAnchors& anchors) {
   const MotionPrior wide = MotionPrior::of(wideVariances, wideNoise);
   LearntPrior learnt;
-  MotionFit fit = fitMotion(model, sequence, tree, wide, pool, part(progress, 0, 0.7));
+  MotionFit fit = fitMotion(model, sequence, tree, wide, pool, part(progress, 0, 0.7), anchors);
   std::vector<ArcEquations> equations;
   const double temper = wideNoise / temperedNoise, unit = std::sqrt(0.5 * model.meanVertexArea());
   for (const bool lostToo :

@@ -7,6 +7,7 @@
 
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/propagation/motion/motion_anchors.h"
 #include "vcg_ext/propagation/motion/motion_model.h"
 #include "vcg_ext/propagation/motion/motion_prior.h"
 #include "vcg_ext/sequence/propagation_tree.h"
@@ -29,6 +30,6 @@ struct LearntPrior {
 /// docs/propagation_robust.md).
 LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
                              const PropagationTree& tree, ThreadPool& pool,
-                             const Progress& progress = {});
+                             const Progress& progress = {}, const MotionAnchors& anchors = {});
 
 }  // namespace sphere_propagation

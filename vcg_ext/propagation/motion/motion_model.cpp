@@ -25,15 +25,23 @@ Icosphere templateOf(const MappedSurface& root) {
   return sphere;
 }
 
-/// Where each vertex lies in the template.
-std::vector<SurfacePoint> sitesOf(const MappedSurface& root) {
+/// Where directions lie in the template.
+std::vector<SurfacePoint> sitesUnder(const std::vector<Vector3>& directions) {
   const Icosphere sphere = icosphere(frequency);
   const SphereLocator under(
       MappedSurface(ClosedSurface(sphere.vertices, sphere.faces, "icosphere"), sphere.vertices));
   std::vector<SurfacePoint> sites;
-  sites.reserve(static_cast<size_t>(root.vertexCount()));
-  for (int v = 0; v < root.vertexCount(); ++v) sites.push_back(under.locate(root.position(v)));
+  sites.reserve(directions.size());
+  for (const Vector3& direction : directions) sites.push_back(under.locate(direction));
   return sites;
+}
+
+/// Where each vertex lies there.
+std::vector<SurfacePoint> sitesOfVertices(const MappedSurface& root) {
+  std::vector<Vector3> directions;
+  directions.reserve(static_cast<size_t>(root.vertexCount()));
+  for (int v = 0; v < root.vertexCount(); ++v) directions.push_back(root.position(v));
+  return sitesUnder(directions);
 }
 
 double meanVertexAreaOf(const ClosedSurface& surface) {
@@ -49,7 +57,11 @@ MotionModel::MotionModel(const MappedSurface& root)
       meanVertexArea_(meanVertexAreaOf(root.surface())),
       basis_(template_.vertices, areas_, radiusOfSphere(areas_.sum())),
       vertices_(root.surface().vertices()),
-      site_(sitesOf(root)) {}
+      site_(sitesOfVertices(root)) {}
+
+std::vector<SurfacePoint> MotionModel::sitesOf(const std::vector<Vector3>& directions) const {
+  return sitesUnder(directions);
+}
 
 Points MotionModel::movedVertices(const Eigen::VectorXd& c) const {
   const Points moved = basis_.displacements(c);

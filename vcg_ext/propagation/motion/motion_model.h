@@ -55,6 +55,8 @@ class MotionModel {
   Points roughMovedNodes(const Eigen::VectorXd& c) const {
     return nodes() + basis_.roughDisplacements(c);
   }
+  /// Where directions from the centre of the sphere, of any length but zero, lie in the template.
+  std::vector<SurfacePoint> sitesOf(const std::vector<Vector3>& directions) const;
   /// The vertices of the surface itself, moved with the template (interpolated in the face of the
   /// icosphere that their map lies in): #V by 3.
   Points movedVertices(const Eigen::VectorXd& c) const;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_propagation.h"
 
+#include <cmath>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/propagation/motion/motion_anchors.h"
 #include "vcg_ext/propagation/motion/motion_cycle.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/motion/motion_learning.h"
@@ -53,39 +55,69 @@ std::vector<Arc> arcsOf(const PropagationTree& tree, const ClosedCycle& cycle,
   return arcs;
 }
 
+std::vector<AnchorFigures> figuresOf(const PropagationTree& tree, const MotionAnchors& held,
+                                     const MotionFit& fit, const MotionPrior& prior,
+                                     const AnchorPlaces& places) {
+  const size_t count = places.names.size();
+  const std::vector<double> unknown(count, std::nan(""));
+  std::vector<AnchorFigures> figures(tree.parent.size(), {unknown, unknown, unknown});
+  for (size_t t = 0; t < figures.size(); ++t) {
+    const LayerAnchors* anchors = held.of(t);
+    if (anchors == nullptr) continue;
+    auto s = static_cast<size_t>(tree.parent[t]);
+    while (fit.lost[s]) s = static_cast<size_t>(tree.parent[s]);  // as the fit does
+    const Eigen::VectorXd& before = fit.coefficients[s];
+    const std::vector<double> distances = anchors->distances(before),
+                              standardised = anchors->standardised(before, prior);
+    const std::vector<size_t> there = places.of(t);
+    for (size_t i = 0; i < there.size(); ++i) {
+      figures[t].before[there[i]] = distances[i];
+      figures[t].standardised[there[i]] = standardised[i];
+    }
+    figures[t].widening = anchors->widening(before, prior);
+    for (const auto& [i, j] : anchors->exchanged(before, prior))
+      figures[t].exchanged.emplace_back(there[static_cast<size_t>(i)],
+                                        there[static_cast<size_t>(j)]);
+  }
+  return figures;
+}
+
 }  // namespace
 
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool, const Progress& progress,
-                            const std::optional<Arc>& closing, const MotionParameters& parameters) {
+                            const std::optional<Arc>& closing, const MotionParameters& parameters,
+                            const AnchorPlaces& anchors, const std::vector<double>& deviations) {
   const Stopwatch fitting;
   FollowedMotion followed;
   followed.layers.resize(static_cast<size_t>(sequence.size()));
   if (sequence.size() == 1) return followed;
   const MotionModel model(root);
   sequence.prepare(pool);
+  const MotionAnchors held(model, sequence, tree.root(), root, anchors, deviations);
   const std::vector<int> rootOrder = sequence[tree.root()].locator().order();
   const bool learns = tree.size() - 1 >= parameters.minArcsToLearnFrom;
   MotionPrior prior = fixedMotionPrior();
   MotionFit fit;
   if (learns) {
-    LearntPrior learnt = learnMotionPrior(model, sequence, tree, pool, part(progress, 0, 0.5));
+    LearntPrior learnt =
+        learnMotionPrior(model, sequence, tree, pool, part(progress, 0, 0.5), held);
     prior = std::move(learnt.prior);
     followed.learnt = learnt.variances;
     fit = refitMotion(model, sequence, tree, prior, learnt.coefficients, pool,
-                      part(progress, 0.5, 0.75));
+                      part(progress, 0.5, 0.75), held);
   } else {
-    fit = fitMotion(model, sequence, tree, prior, pool, part(progress, 0, 0.75));
+    fit = fitMotion(model, sequence, tree, prior, pool, part(progress, 0, 0.75), held);
   }
   const ClosedCycle cycle = closing ? closedCycle(tree, *closing) : ClosedCycle{};
   const bool closes = !cycle.layers.empty();
   std::vector<Eigen::VectorXd> motion = fit.coefficients, around;
   if (closes) {
-    around = fitOtherWayRound(model, sequence, cycle, fit, prior, pool);
+    around = fitOtherWayRound(model, sequence, cycle, fit, prior, pool, held);
     motion = averageOfBothWays(model, sequence, cycle, fit.coefficients, around);
   }
   std::vector<char> smoothed(motion.size(), 0);
-  if (parameters.smooths && learns && isPath(tree)) {
+  if (parameters.smooths && learns && anchors.empty() && isPath(tree)) {
     const SmoothedMotion all =
         smoothMotion(model, sequence, tree.root(), arcsOf(tree, cycle, fit.lost), motion,
                      priorForAllAtOnce(prior), pool);
@@ -96,6 +128,7 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
       smoothed[t] = 1;
     }
   }
+  if (!anchors.empty()) followed.anchors = figuresOf(tree, held, fit, prior, anchors);
   const double share = fitting.seconds() / (sequence.size() - 1);
 
   const auto isThere = [&](int i) {
@@ -135,9 +168,11 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
       return readMap(root, rootOrder, model.movedVertices(coefficients), sequence[closing->to]);
     };
     const bool beyond = closes && closing->to != tree.root();
-    std::optional<TransferredMap> carried = mapOf(
-        beyond ? around[to]
-               : fitArc(model, sequence[closing->to], fit.coefficients[from], prior).coefficients);
+    std::optional<TransferredMap> carried =
+        mapOf(beyond ? around[to]
+                     : fitArc(model, sequence[closing->to], fit.coefficients[from], prior, {},
+                              arcIterations, held.of(to))
+                           .coefficients);
     std::optional<TransferredMap> brought = mapOf(fit.coefficients[to]);
     if (carried && brought)
       followed.closing = ClosingMaps{std::move(carried->map), std::move(brought->map)};

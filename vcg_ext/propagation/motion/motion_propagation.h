@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "vcg_ext/anchors/anchor_places.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/propagation/motion/motion_prior.h"
@@ -49,6 +50,8 @@ struct FollowedMotion {
   /// large (maxEdgesApart), or its map cannot be repaired. In a cycle, only where both ways round
   /// are lost.
   std::vector<std::optional<FollowedLayer>> layers;
+  /// Of each layer, where there are anchors: all but `after`.
+  std::vector<AnchorFigures> anchors;
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt
   std::optional<ClosingMaps> closing;     ///< empty where one of them is lost
   int averaged = 0;  ///< layers where both ways round a cycle agree, and are averaged
@@ -61,9 +64,13 @@ struct FollowedMotion {
 /// closing: an arc beside the tree. Where the two make a cycle of all layers, each layer's motion
 /// is, before that, the average of both ways round (motion_cycle.h), and what one way loses comes
 /// the other way.
+/// anchors: on the layers; deviations: sd of those of each layer (motion_anchors.h). With anchors,
+/// nothing is smoothed.
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool,
                             const Progress& progress = {}, const std::optional<Arc>& closing = {},
-                            const MotionParameters& parameters = {});
+                            const MotionParameters& parameters = {},
+                            const AnchorPlaces& anchors = {},
+                            const std::vector<double>& deviations = {});
 
 }  // namespace sphere_propagation

@@ -168,21 +168,27 @@ Points smoothOnSphere(const ClosedSurface& surface, const Points& positions, int
 }
 
 Correspondence findCorrespondence(const MappedSurface& reference, const ClosedSurface& target,
-                                  const PublishedParameters& parameters) {
+                                  const PublishedParameters& parameters,
+                                  const std::vector<NodeAt>& anchors) {
   const VertexLocator referenceVertices(reference.surface().vertices());
   Correspondence found;
   found.aligned = alignedVertices(target, referenceVertices, parameters);
   const std::vector<VertexPair> pairs =
       mutualNearest(VertexLocator(found.aligned), referenceVertices);
   found.pairs = static_cast<int>(pairs.size());
-  found.nodes = releaseInwardTriangles(
-      target.faces(), fixNodes(target.vertexCount(), pairs, reference.positions()));
+  FixedNodes fixed = fixNodes(target.vertexCount(), pairs, reference.positions());
+  for (const NodeAt& anchor : anchors) {
+    fixed.isFixed[static_cast<size_t>(anchor.vertex)] = 1;
+    fixed.positions.row(anchor.vertex) = anchor.position.transpose();
+  }
+  found.nodes = releaseInwardTriangles(target.faces(), fixed);
   return found;
 }
 
 TransferredMap propagateAsPublished(const MappedSurface& reference, const ClosedSurface& target,
-                                    const PublishedParameters& parameters) {
-  const auto [aligned, pairs, nodes] = findCorrespondence(reference, target, parameters);
+                                    const PublishedParameters& parameters,
+                                    const std::vector<NodeAt>& anchors) {
+  const auto [aligned, pairs, nodes] = findCorrespondence(reference, target, parameters, anchors);
   if (nodes.count() == 0)
     throw PropagationError(Finding(Fault::NoCorrespondence, target.name())
                                .of(pairs)

@@ -69,14 +69,22 @@ struct PublishedParameters {
   int smoothingSweeps = 50;  ///< step 4f; >= 0
 };
 
+/// A node whose position is known beside those of the relation R.
+struct NodeAt {
+  int vertex;
+  Vector3 position;  ///< unit length
+};
+
 /// Steps 4a to 4d: what a target and its reference have in common.
 struct Correspondence {
   Points aligned;    ///< the target's vertices after steps 4a and 4b: #V by 3
   int pairs = 0;     ///< in the relation R of step 4c
   FixedNodes nodes;  ///< after step 4d; there may be none
 };
+/// anchors: in place of what R says of their vertices.
 Correspondence findCorrespondence(const MappedSurface& reference, const ClosedSurface& target,
-                                  const PublishedParameters& parameters = {});
+                                  const PublishedParameters& parameters = {},
+                                  const std::vector<NodeAt>& anchors = {});
 
 /// One arc of the propagation tree, steps 4a to 4f and the repair.
 /// reference: the surface that has a map; target: the surface that gets one. The residual is the
@@ -85,6 +93,7 @@ Correspondence findCorrespondence(const MappedSurface& reference, const ClosedSu
 /// range, PropagationError, which names both surfaces, when no node is fixed after step 4d, and
 /// MapError when the result cannot be repaired.
 TransferredMap propagateAsPublished(const MappedSurface& reference, const ClosedSurface& target,
-                                    const PublishedParameters& parameters = {});
+                                    const PublishedParameters& parameters = {},
+                                    const std::vector<NodeAt>& anchors = {});
 
 }  // namespace sphere_propagation

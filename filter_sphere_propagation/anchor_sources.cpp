@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "filter_sphere_propagation/anchor_sources.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "filter_sphere_propagation/messages.h"
+#include "filter_sphere_propagation/reporting.h"
+#include "host/remedies.h"
+#include "vcg_ext/anchors/anchor_file.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/mesh/surface_locator.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// How far anchors lie off a layer, in its mean edge lengths; whatever else is wrong with it.
+class Distances {
+ public:
+  explicit Distances(const host::Layer& layer) {
+    const MeshContent content = layer.content();
+    if (content.faces.rows() == 0 || !content.vertices.allFinite()) return;
+    surface_.emplace(content.vertices, content.faces);
+    edge_ = meanEdgeLength(content.vertices, content.faces);
+  }
+  double operator()(const Vector3& point) const {
+    return surface_ && edge_ > 0 ? surface_->closest(point).distance / edge_ : 0;
+  }
+  int farOnes(const AnchorSet& anchors) const {
+    return static_cast<int>(std::count_if(anchors.begin(), anchors.end(), [&](const auto& anchor) {
+      return (*this)(anchor.second) > maxAnchorEdges;
+    }));
+  }
+
+ private:
+  std::optional<SurfaceLocator> surface_;
+  double edge_ = 0;
+};
+
+AnchorSet inFrame(const AnchorSet& anchors, const host::Layer& layer, AnchorFrame frame) {
+  return frame == AnchorFrame::World ? anchors : transformed(anchors, layer.matrix());
+}
+
+AnchorSet turnedRound(const AnchorSet& anchors) {
+  return transformed(anchors, Eigen::Vector4d(-1, -1, 1, 1).asDiagonal().toDenseMatrix());
+}
+
+/// isAsked: whether the file was given; else what has little to do with the layer is left out.
+AnchorSet read(const host::Task& task, const std::string& file, const host::Layer& layer,
+               AnchorFrame frame, bool isAsked) {
+  const AnchorList list = readAnchors(file);
+  const Distances distances(layer);
+  AnchorSet anchors = inFrame(list.anchors, layer, frame);
+  int far = distances.farOnes(anchors);
+  bool asWritten = false;
+  if (list.fromLps && far > 0) {
+    AnchorSet other = inFrame(turnedRound(list.anchors), layer, frame);
+    if (const int farOther = distances.farOnes(other); farOther < far) {
+      anchors = std::move(other);
+      far = farOther;
+      asWritten = true;
+    }
+  }
+  if (!isAsked && 2 * far > static_cast<int>(anchors.size())) {
+    task.sayOf(layer, messages::notItsAnchors, file, far, anchors.size());
+    return {};
+  }
+  if (asWritten) task.say(messages::anchorsInLps, layer.label(), file);
+  task.say(messages::anchorsRead, layer.label(), anchors.size(), file);
+  if (!list.undefined.empty())
+    task.say(messages::anchorsWithoutPlace, layer.label(), namesIn(list.undefined));
+  if (!list.ambiguous.empty())
+    task.sayOf(layer, messages::anchorsTwice, namesIn(list.ambiguous), file);
+  return anchors;
+}
+
+}  // namespace
+
+AnchorSet anchorsFrom(const host::Task& task, const std::string& file, const host::Layer& layer,
+                      AnchorFrame frame) {
+  return read(task, file, layer, frame, true);
+}
+
+AnchorSet anchorsBeside(const host::Task& task, const host::Layer& layer, AnchorFrame frame) {
+  for (const std::string& file : anchorFilesBeside(layer.fileName())) {
+    try {
+      return read(task, file, layer, frame, false);
+    } catch (const AnchorError& error) {
+      task.sayOf(layer, messages::anchorsNotRead, host::sentence(error));
+    }
+  }
+  return {};
+}
+
+std::string anchorFileIn(const std::string& folder, const host::Layer& layer) {
+  std::string file;
+  if (const std::string own = layer.fileName(); !own.empty())
+    file = anchorFileIn(folder, std::filesystem::u8path(own).filename().u8string());
+  return file.empty() ? anchorFileIn(folder, layer.label()) : file;
+}
+
+bool isFolder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(std::filesystem::u8path(path), ignored);
+}
+
+int warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors) {
+  const Distances distances(layer);
+  int far = 0;
+  for (const auto& [name, point] : anchors) {
+    const double edges = distances(point);
+    if (edges <= maxAnchorEdges) continue;
+    task.sayOf(layer, messages::anchorFarOff, name, edges);
+    ++far;
+  }
+  return far;
+}
+
+}  // namespace sphere_propagation

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#pragma once
+/// Where the anchors of a layer come from: a file that is given, what the layer carries, or a file
+/// beside the one that it was loaded from.
+
+#include <string>
+#include <vector>
+
+#include "host/filter.h"
+#include "vcg_ext/anchors/anchor_set.h"
+
+namespace sphere_propagation {
+
+/// An anchor farther off its surface than so many mean edge lengths is named.
+constexpr double maxAnchorEdges = 5;
+
+/// The frame of a file's places.
+enum class AnchorFrame {
+  World,  ///< where the layer is shown, its matrix applied, as MeshLab's Pick Points saves them
+  Mesh,   ///< that of the vertices as the mesh's file has them
+};
+
+/// Reads the anchors of a layer, and says what deserves to be known of the file. The layer's matrix
+/// applied. Places in LPS that lie on the layer as they are written, and not in RAS, are taken as
+/// they are written. Throws AnchorError.
+AnchorSet anchorsFrom(const host::Task& task, const std::string& file, const host::Layer& layer,
+                      AnchorFrame frame);
+
+/// The same for a file beside the layer's own, which nobody asked for: empty where there is none,
+/// where it is no file of anchors, or where most of them lie far off the layer.
+AnchorSet anchorsBeside(const host::Task& task, const host::Layer& layer, AnchorFrame frame);
+
+/// The file of a folder that is called as the layer's file or as the layer; empty where there is
+/// none.
+std::string anchorFileIn(const std::string& folder, const host::Layer& layer);
+
+bool isFolder(const std::string& path);
+
+/// Names the anchors that lie far off their layer. Returns how many there are.
+int warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors);
+
+}  // namespace sphere_propagation

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/propagation/motion/motion_anchors.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "tests/core/test_meshes.h"
+#include "vcg_ext/base/error.h"
+#include "vcg_ext/propagation/propagation.h"
+#include "vcg_ext/sphere/certificate.h"
+
+namespace sphere_propagation {
+namespace {
+
+/// Ellipsoids of one round cross-section that turn in themselves, which no surface shows.
+struct Turning {
+  std::vector<ClosedSurface> surfaces;
+  test::Mesh sphere = test::icosphereMesh(12);
+  std::vector<int> marked{40, 300, 620, 900, 1201};
+  double angle;
+
+  explicit Turning(int layers, double angleOfAll) : angle(angleOfAll) {
+    for (int i = 0; i < layers; ++i)
+      surfaces.push_back(test::surfaceOf({points(i), sphere.faces}, "layer " + std::to_string(i)));
+  }
+  Points points(int layer) const {
+    const double turn = surfacesTurn(layer);
+    const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
+    Points moved = sphere.vertices * Vector3(20, 20, 30 - 0.5 * layer).asDiagonal();
+    return moved * rotation.transpose();
+  }
+  double surfacesTurn(int layer) const { return layer * angle / 4; }
+  MappedSurface root() const { return MappedSurface(surfaces[0], sphere.vertices); }
+  std::vector<AnchorSet> anchors() const {
+    std::vector<AnchorSet> all;
+    for (const ClosedSurface& surface : surfaces) {
+      all.emplace_back();
+      for (const int v : marked) all.back().emplace("v" + std::to_string(v), surface.vertex(v));
+    }
+    return all;
+  }
+  /// How far vertices are from where the last layer's map has those of the root, in radians.
+  double errorOf(const Propagation& propagation) const {
+    return (propagation.layers.back().map().positions() - sphere.vertices).rowwise().norm().mean();
+  }
+  PropagationTree tree() const { return timeOrder(static_cast<int>(surfaces.size()), 0); }
+};
+
+PropagationParameters with(AnchorUse use, const std::vector<AnchorSet>& anchors) {
+  PropagationParameters parameters;
+  parameters.anchors.use = use;
+  parameters.anchors.layers = anchors;
+  return parameters;
+}
+
+TEST(MotionAnchors, TellHowSurfacesTurnInThemselves) {
+  const Turning turning(5, 0.5);
+  const Sequence sequence(turning.surfaces);
+  const double without = turning.errorOf(propagate(sequence, turning.root(), turning.tree()));
+  PropagationParameters parameters = with(AnchorUse::Soft, turning.anchors());
+  parameters.anchors.deviation =
+      0.3;  // they are exact, and the mesh's edges of 2 say nothing of it
+  const Propagation soft = propagate(sequence, turning.root(), turning.tree(), parameters);
+  EXPECT_GT(without, 0.2);
+  EXPECT_LT(turning.errorOf(soft), 0.65 * without);  // five say little of what is far from them
+  for (size_t k = 0; k < turning.marked.size(); ++k) {
+    EXPECT_TRUE(std::isnan(soft.layers[0].anchors.before[k]));
+    EXPECT_LT(soft.layers[4].anchors.after[k], 0.6);
+    EXPECT_GT(soft.layers[1].anchors.before[k], 1);
+    EXPECT_LT(soft.layers[1].anchors.standardised[k], 3);
+  }
+}
+
+TEST(MotionAnchors, OfNoneTheMapsAreBitForBitTheSame) {
+  const Turning turning(3, 0.3);
+  const Sequence sequence(turning.surfaces);
+  const Propagation without = propagate(sequence, turning.root(), turning.tree());
+  for (const PropagationParameters& parameters :
+       {with(AnchorUse::Off, turning.anchors()), with(AnchorUse::Exact, {}),
+        with(AnchorUse::Soft, std::vector<AnchorSet>(3))}) {
+    const Propagation same = propagate(sequence, turning.root(), turning.tree(), parameters);
+    for (size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(same.layers[i].map().positions(), without.layers[i].map().positions());
+  }
+}
+
+TEST(MotionAnchors, AreHeldExactlyByBothMethodsAlsoWhereAreasAreRestored) {
+  const Turning turning(3, 0.4);
+  const Sequence sequence(turning.surfaces);
+  std::vector<AnchorSet> anchors = turning.anchors();
+  anchors[1].erase("v300");                         // a layer may lack one
+  anchors[2].emplace("nowhere", Vector3(0, 0, 0));  // the root does
+  for (const PropagationMethod method : {PropagationMethod::Robust, PropagationMethod::AsPublished})
+    for (const double restored : {0.0, 0.5}) {
+      PropagationParameters parameters = with(AnchorUse::Exact, anchors);
+      parameters.method = method;
+      parameters.areaRestoration = restored;
+      const Propagation held = propagate(sequence, turning.root(), turning.tree(), parameters);
+      for (int i = 1; i < 3; ++i) {
+        const MappedSurface& map = held.layers[static_cast<size_t>(i)].map();
+        EXPECT_TRUE(certify(map.faces(), map.positions()).valid());
+        for (const int v : turning.marked)
+          if (i != 1 || v != 300) {
+            EXPECT_LT((map.position(v) - turning.root().position(v)).norm(), 1e-12);
+          }
+      }
+      EXPECT_TRUE(std::isnan(held.layers[1].anchors.after[1]));
+      EXPECT_LT(held.layers[2].anchors.after[0], 1e-9);
+    }
+}
+
+TEST(MotionAnchors, OneThatContradictsTheOthersStandsOut) {
+  const Turning turning(2, 0.3);
+  std::vector<AnchorSet> anchors = turning.anchors();
+  std::swap(anchors[1]["v40"], anchors[1]["v900"]);
+  const Propagation found = propagate(Sequence(turning.surfaces), turning.root(), turning.tree(),
+                                      with(AnchorUse::Soft, anchors));
+  const std::vector<double>& z = found.layers[1].anchors.standardised;
+  EXPECT_GT(z[2], 3);  // "v40" comes behind "v1201" and "v300"
+  EXPECT_GT(z[4], 3);
+  using Pairs = std::vector<std::pair<size_t, size_t>>;
+  EXPECT_EQ(found.layers[1].anchors.exchanged, (Pairs{{2, 4}}));
+  const Propagation fine = propagate(Sequence(turning.surfaces), turning.root(), turning.tree(),
+                                     with(AnchorUse::Soft, turning.anchors()));
+  EXPECT_EQ(fine.layers[1].anchors.exchanged, Pairs{});
+  EXPECT_GT(found.layers[1].anchors.widening, 1);
+}
+
+TEST(MotionAnchors, RefusesWhatCannotBe) {
+  const Turning turning(2, 0.1);
+  PropagationParameters parameters = with(AnchorUse::Soft, turning.anchors());
+  parameters.anchors.deviation = -1;
+  EXPECT_THROW(requireValid(parameters), ParameterError);
+  parameters.anchors.deviation = 0;
+  parameters.anchors.layers.pop_back();
+  EXPECT_THROW(propagate(Sequence(turning.surfaces), turning.root(), turning.tree(), parameters),
+               ParameterError);
+}
+
+}  // namespace
+}  // namespace sphere_propagation

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""The user's own landmarks: read from files of other programs, carried by layers, heeded by
+propagation."""
+
+import json
+
+import numpy as np
+import pymeshlab
+import pytest
+from documents import LOAD, PROPAGATE, ROOT, add, has_attribute, labels, layer, positions
+from documents import small_cycle as cycle
+from surfaces import egg
+
+NAMES = ("apex", "base", "left side")
+
+
+def remarks(returned):
+    if "warnings" not in returned:
+        return []
+    return json.loads(bytes(map(int, returned["warnings"])).decode())
+
+
+def anchor(mesh, name="apex"):
+    values = mesh.vertex_custom_point_attribute_matrix("anchor_" + name.replace(" ", "%20"))
+    assert len(np.unique(values, axis=0)) == 1
+    return values[0]
+
+
+def places(mesh, shift=0):
+    """Vertices that are far apart, in each layer's own numbering."""
+    v = mesh.vertex_matrix() + shift
+    return dict(zip(NAMES, (v[v[:, 2].argmin()], v[v[:, 2].argmax()], v[v[:, 0].argmax()])))
+
+
+def pick_points(path, points):
+    tags = "\n".join(
+        f' <point x="{p[0]!r}" y="{p[1]!r}" z="{p[2]!r}" active="1" name="{name}"/>'
+        for name, p in ((name, list(map(float, p))) for name, p in points.items())
+    )
+    path.write_text(f"<!DOCTYPE PickedPoints>\n<PickedPoints>\n{tags}\n</PickedPoints>\n")
+
+
+def table(path, points):
+    rows = [f"{name},{','.join(repr(float(x)) for x in p)}" for name, p in points.items()]
+    path.write_text("\n".join(["name,x,y,z", *rows]))
+
+
+def saved(folder, count=3):
+    """A project of meshes that lie in files."""
+    ms, loaded = cycle(count), pymeshlab.MeshSet()
+    for i in range(count):
+        ms.set_current_mesh(i)
+        ms.save_current_mesh(str(folder / f"phase_{i}.ply"))
+    for i in range(count):
+        loaded.load_new_mesh(str(folder / f"phase_{i}.ply"))
+    loaded.set_current_mesh(0)
+    return loaded
+
+
+def test_a_file_goes_to_the_current_layer_in_the_frame_that_is_asked_for(tmp_path):
+    for coordinates, shift in (("World", 0), ("Mesh", 10)):
+        ms = cycle(2)
+        mesh = ms.mesh(1)
+        ms.set_current_mesh(1)
+        ms.apply_filter("compute_matrix_from_translation", axisx=10.0, freeze=False)
+        pick_points(tmp_path / "a.pp", places(mesh))
+        returned = ms.apply_filter(LOAD, file_name=str(tmp_path / "a.pp"), coordinates=coordinates)
+        assert returned["anchors"].tolist() == [3]
+        assert np.allclose(anchor(mesh), places(mesh)["apex"] - [10 - shift, 0, 0], atol=1e-9)
+        assert not has_attribute(ms.mesh(0), "anchor_apex")
+
+
+def test_a_folder_and_files_beside_the_meshes(tmp_path):
+    ms = saved(tmp_path)
+    (tmp_path / "anchors").mkdir()
+    for i, mesh in enumerate(ms):
+        table(tmp_path / f"anchors/phase_{i}.csv", places(mesh))
+    returned = ms.apply_filter(LOAD, file_name=str(tmp_path / "anchors"), show_anchors=True)
+    assert returned["anchors"].tolist() == [3, 3, 3] and "warnings" not in returned
+    assert np.allclose(anchor(ms.mesh(2), "left side"), places(ms.mesh(2))["left side"])
+    shown = layer(ms, "phase_1 anchors")
+    assert shown.vertex_number() == 3 * 92
+    centres = shown.vertex_matrix().reshape(3, 92, 3).mean(1)
+    assert np.allclose(centres, list(places(ms.mesh(1)).values()), atol=1e-3)
+    # Markers are no surfaces: nothing is made of them.
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    assert len(ms.apply_filter(PROPAGATE)["parent"]) == 3
+
+    beside = saved(tmp_path)
+    pick_points(tmp_path / "phase_1_picked_points.pp", {"apex": places(ms.mesh(1))["apex"]})
+    table(tmp_path / "phase_1.csv", places(ms.mesh(1)))
+    assert beside.apply_filter(LOAD)["anchors"].tolist() == [0, 1, 0]
+    assert labels(beside) == labels(ms)[:3]
+
+
+def test_what_is_wrong_with_anchors_is_named(tmp_path):
+    ms = cycle(2)
+    points = places(ms.mesh(0))
+    table(tmp_path / "far.csv", {**points, "far": points["base"] + 300})
+    said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "far.csv")))
+    assert [(r["message"], r["layer"]) for r in said] == [("anchorFarOff", "phantom cavity 00")]
+    assert '"far"' in said[0]["text"]
+    (tmp_path / "twice.csv").write_text("a,1,2,3\na,3,4,5\n")
+    said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "twice.csv")))
+    assert [r["message"] for r in said] == ["anchorsTwice"]
+    for name, text, words in (
+        ("bad.csv", "a,1,2,three", 'line 1: the place of "a" is not three numbers'),
+        ("bad.json", "{", "line"),
+        ("bad.pp", "<a/>", "holds none"),
+        ("bad.ply", "ply", "its ending tells no format"),
+    ):
+        (tmp_path / name).write_text(text)
+        with pytest.raises(pymeshlab.PyMeshLabException, match=words):
+            ms.apply_filter(LOAD, file_name=str(tmp_path / name))
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="holds no anchors of the layers"):
+        ms.apply_filter(LOAD, file_name=str(tmp_path / "empty"))
+
+
+def test_places_in_lps_are_turned_round_unless_the_surface_is_there(tmp_path):
+    ms = pymeshlab.MeshSet()
+    add(ms, *egg(centre=(50, 20, 0)), "egg")
+    mesh = ms.mesh(0)
+    for sign in ((-1, -1, 1), (1, 1, 1)):
+        points = [
+            {"label": name, "position": list(map(float, p * sign))}
+            for name, p in places(mesh).items()
+        ]
+        text = json.dumps({"markups": [{"coordinateSystem": "LPS", "controlPoints": points}]})
+        (tmp_path / "a.mrk.json").write_text(text)
+        assert "warnings" not in ms.apply_filter(LOAD, file_name=str(tmp_path / "a.mrk.json"))
+        assert np.allclose(anchor(mesh), places(mesh)["apex"])
+
+
+def turning(count=3, anchors=True):
+    """Eggs of revolution that turn about their axis, which no surface shows."""
+    ms = pymeshlab.MeshSet()
+    vertices, faces = egg(20, 24, radii=(20, 20, 35))
+    vertices = np.asarray(vertices, float)
+    for i in range(count):
+        a = 0.12 * i
+        rotation = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+        v = vertices @ rotation.T
+        mesh = pymeshlab.Mesh(v, np.asarray(faces, np.int32))
+        if anchors:
+            for k in (5, 100, 230, 400):
+                place = np.tile(v[k], (len(v), 1))
+                mesh.add_vertex_custom_point_attribute(place, f"anchor_p{k}")
+        ms.add_mesh(mesh, f"egg {i}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    return ms
+
+
+def test_propagation_heeds_anchors_and_says_what_became_of_them():
+    without, off, soft, exact = (turning(anchors=i > 0) for i in range(4))
+    plain = without.apply_filter(PROPAGATE)
+    assert "anchor_distance" not in plain
+    off.apply_filter(PROPAGATE, anchors="Off")
+    for i in range(3):
+        assert np.array_equal(positions(off.mesh(i)), positions(without.mesh(i)))
+    returned = soft.apply_filter(PROPAGATE)
+    names = bytes(map(int, returned["anchor_names"])).decode().split("\n")
+    assert names == ["p100", "p230", "p400", "p5"]
+    distance = returned["anchor_distance"].reshape(3, 4)
+    assert np.allclose(distance[0], 0, atol=1e-9)
+    assert np.isnan(returned["anchor_distance_before"].reshape(3, 4)[0]).all()
+    assert returned["anchor_z"].shape == (12,) and (returned["prior_widening"] >= 1).all()
+    held = exact.apply_filter(PROPAGATE, anchors="Exact")
+    assert held["anchor_distance"].max() < 1e-9 and (held["flipped_faces"] == 0).all()
+    root = positions(exact.mesh(0))
+    for i in (1, 2):
+        for k in (5, 100, 230, 400):
+            assert np.linalg.norm(positions(exact.mesh(i))[k] - root[k]) < 1e-12
+    error = [np.linalg.norm(positions(ms.mesh(2)) - root, axis=1).mean() for ms in (without, soft)]
+    assert error[1] < error[0]
+
+
+def test_propagation_looks_beside_the_meshes_and_into_a_folder(tmp_path):
+    ms = saved(tmp_path)
+    table(tmp_path / "phase_0.csv", places(ms.mesh(0)))
+    table(tmp_path / "phase_2.csv", places(ms.mesh(2)))
+    (tmp_path / "phase_1.csv").write_text("time,volume\n0.1,72\n")  # of somebody else
+    ms.apply_filter(ROOT)
+    returned = ms.apply_filter(PROPAGATE)
+    missing = np.isnan(returned["anchor_distance"]).reshape(3, 3)
+    assert missing.tolist() == [[False] * 3, [True] * 3, [False] * 3]
+    assert [r["message"] for r in remarks(returned)] == ["anchorsNotRead"]
+    (tmp_path / "given").mkdir()
+    for i in (0, 1):
+        table(tmp_path / f"given/phase_{i}.csv", {"one": places(ms.mesh(i))["apex"]})
+    returned = ms.apply_filter(PROPAGATE, anchor_files=str(tmp_path / "given"))
+    assert bytes(map(int, returned["anchor_names"])) == b"one"
+    assert [r["message"] for r in remarks(returned)].count("anchorsNotOnRoot") == 1
+
+
+def test_names_that_are_exchanged_are_refused_or_named():
+    ms = turning(2)
+    first, second = (
+        ms.mesh(1).vertex_custom_point_attribute_matrix(f"anchor_p{k}") for k in (5, 100)
+    )
+    swapped = pymeshlab.MeshSet()
+    for i in range(2):
+        mesh = pymeshlab.Mesh(ms.mesh(i).vertex_matrix(), ms.mesh(i).face_matrix())
+        for k in (5, 100, 230, 400):
+            values = ms.mesh(i).vertex_custom_point_attribute_matrix(f"anchor_p{k}")
+            if i == 1 and k in (5, 100):
+                values = second if k == 5 else first
+            mesh.add_vertex_custom_point_attribute(values, f"anchor_p{k}")
+        swapped.add_mesh(mesh, f"egg {i}")
+    swapped.set_current_mesh(0)
+    swapped.apply_filter(ROOT)
+    with pytest.raises(pymeshlab.PyMeshLabException, match='"p100" and "p5".*change places'):
+        swapped.apply_filter(PROPAGATE, anchors="Exact")
+    assert not has_attribute(swapped.mesh(1))
+    said = [r["text"] for r in remarks(swapped.apply_filter(PROPAGATE))]
+    assert any(
+        '"p100" and "p5" fit much better with their names exchanged' in text for text in said
+    )
+
+
+def test_anchors_follow_their_layer_through_a_preparation(tmp_path):
+    ms = pymeshlab.MeshSet()
+    vertices, faces = egg()
+    add(ms, vertices, np.asarray(faces)[1:], "open")
+    mesh = ms.mesh(0)
+    place = np.tile(np.asarray(vertices, float)[7], (mesh.vertex_number(), 1))
+    mesh.add_vertex_custom_point_attribute(place, "anchor_a")
+    ms.apply_filter("apply_surface_preparation")
+    assert np.allclose(anchor(ms.mesh(0), "a"), np.asarray(vertices)[7])

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Points of the user's own, as dictionaries and as files."""
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+from sphere_propagation import command, files
+
+
+def anchors_of(surface):
+    v = surface.vertices
+    return {"apex": v[v[:, 2].argmin()], "left side": v[v[:, 0].argmax()]}
+
+
+@pytest.fixture(scope="module")
+def surfaces():
+    return sp.make_phantom(phases=3, voxel_size=4.0)
+
+
+def test_anchors_hold_on_the_surfaces_that_have_them(surfaces):
+    anchors = [anchors_of(surfaces[0]), None, anchors_of(surfaces[2])]
+    result = sp.correspond(surfaces, anchors=anchors, exact=True, root=0, frequency=4)
+    assert result.anchors.names == ["apex", "left side"]
+    assert np.isnan(result.anchors.distance).tolist() == [[False] * 2, [True] * 2, [False] * 2]
+    assert np.nanmax(result.anchors.distance) < 1e-9
+    assert result.anchors.z.shape == (3, 2) and result.anchors.widening.shape == (3,)
+    assert sp.correspond(surfaces, root=0, frequency=4).anchors is None
+
+
+def test_a_folder_serves_functions_and_the_command(surfaces, tmp_path):
+    (tmp_path / "anchors").mkdir()
+    for i, surface in enumerate(surfaces):
+        files.write_ply(tmp_path / f"phase_{i}.ply", surface.vertices, surface.faces)
+        rows = [f"{name},{x},{y},{z}" for name, (x, y, z) in anchors_of(surface).items()]
+        (tmp_path / f"anchors/phase_{i}.csv").write_text("\n".join(rows))
+    meshes = sp.read_meshes(tmp_path)
+    found = sp.propagate(
+        meshes, sp.parameterise_root(meshes[0]), order="Time", anchors=tmp_path / "anchors"
+    ).anchors
+    assert not np.isnan(found.distance).any() and found.names == ["apex", "left side"]
+    options = ["--anchors", tmp_path / "anchors", "--anchor-sd", 2, "--frequency", 4]
+    done = command.main([str(x) for x in ["run", tmp_path, "-o", tmp_path / "results", *options]])
+    assert done == 0
+
+
+@pytest.mark.parametrize(
+    "anchors, words",
+    [
+        ("no such folder", "is no folder"),
+        ([{}], "one dictionary or None per surface: 1 for 3"),
+        ([[1, 2, 3]] * 3, "of surface 0 must be a dictionary"),
+        ([{}, {"a": (1, 2)}, {}], "'a' of surface 1 must be three numbers"),
+        ([{}, {"a": (1, 2, np.nan)}, {}], "'a' of surface 1 must be three numbers"),
+    ],
+)
+def test_what_is_no_anchor_is_refused(surfaces, anchors, words):
+    with pytest.raises(sp.InputError, match=words):
+        sp.correspond(surfaces, anchors=anchors)
+
+
+def test_bad_choices_are_refused(surfaces):
+    with pytest.raises(sp.InputError, match="anchor_sd must be 0 or more"):
+        sp.correspond(surfaces, anchor_sd=-1)
+    with pytest.raises(sp.InputError, match="exact must be True or False"):
+        sp.correspond(surfaces, exact="yes")
