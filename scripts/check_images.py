@@ -23,6 +23,10 @@ MAPS = (PACKAGE + "pictures.py", PACKAGE + "views.py", PACKAGE + "colors.py")
 MODELS = (PACKAGE + "model_pictures.py", *MAPS)
 PHANTOM = (PACKAGE + "phantom.py",)
 HEART = ("scripts/draw-modes",)
+EXPLORER = tuple(
+    f"{PACKAGE}explorer{end}"
+    for end in (".py", "_page/page.html", "_page/style.css", "_page/page.js", "_page/renderer.js")
+)
 GUI = ("tests/hosts/check_gui.py", "sample_projects/ventricle/ventricle.mlp", "docs/filters.md")
 
 
@@ -34,6 +38,8 @@ def sources(picture: str):
         return ("scripts/draw-levels",)
     if picture.startswith("heart_"):
         return (*HEART, *MAPS)
+    if picture == "explore":
+        return ("scripts/draw-explorer", *EXPLORER)
     if picture in ("modes", "model"):
         return (*HEART, *MODELS)
     if picture in ("scan_modes", "scan_scores", "scan_volume"):

@@ -144,6 +144,7 @@ def _report(output: str, runs: Sequence[report.Run]) -> int:
                 f"  {data}/model.npz, {data}/scores.csv, {data}/model.csv: the shape model, its "
                 "scores, and how good it is"
             )
+            print(f"  {data}/{jobs.EXPLORER}: the shape model to explore, for a browser")
     print(
         "  figures.csv: one row per layer    warnings.csv: what deserves a look"
         + ("    *.png: pictures" if any(folder.glob("*.png")) else "")

@@ -10,6 +10,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Set
 import numpy as np
 
 from . import model_pictures, page, pictures, report
+from .explorer import Explorer
 from .model import ShapeModel
 from .progress import Lines
 from .provenance import Provenance
@@ -34,6 +35,7 @@ class Section(NamedTuple):
     model: Optional[ShapeModel] = None  # of the first row
     true_volumes: Optional[np.ndarray] = None  # of the first row, where they are known
     errors: Optional[Sequence[dict]] = None  # per row: method -> mm per phase
+    explorer: Optional[Explorer] = None  # of the model
 
     @property
     def kinds(self) -> Set[str]:
@@ -79,7 +81,9 @@ def show(
         if MODEL in section.kinds:
             tables.append(page.model_table(section.model, _unit(section)))
         tables += [page.layer_table(run) for run in section.runs]
-        chapters.append(page.Chapter(section.title, section.text, made, tables))
+        chapters.append(
+            page.Chapter(section.title, section.text, made, tables, explorer=section.explorer)
+        )
     chapters.append(page.provenance_chapter(made_by))
     results.write(PAGE, lambda path: page.write_page(path, title, text, chapters))
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from . import attention, files, filters, gallery, pictures, plugin, projects, re
 from .attention import warn
 from .correspondence import Correspondence, checked, correspond_by
 from .errors import FilterError, InputError, SpherePropagationWarning
+from .explorer import Explorer, explore
 from .flags import option
 from .gallery import Section
 from .model import ShapeModel
@@ -38,6 +39,7 @@ SCAN_STEPS = ("labels", "surfaces", "root map", *METHOD_STEPS, *RESULT_STEPS)
 PART_STEPS = ("phantom", "root map", *METHOD_STEPS * len(METHODS), "truth", *RESULT_STEPS)
 
 EXPORTS = ("h5", "json", "particles", "ply")  # of the shape model; npz and csv are always there
+EXPLORER = "explore.html"  # beside the model, and inside the report
 FORMATS = ("svg", "pdf")  # of pictures; png is always there
 
 # Notes of the import that matter where label volumes are read one by one.
@@ -173,7 +175,7 @@ def _run_files(
     labels = all(map(files.is_label_volume, paths))
     row = Row(name, result, phases=phases)
     _write_layers(results, name, row, steps)
-    model = _build_model(results, name, result, choices, steps)
+    model, explorer = _build_model(results, name, row, choices, steps)
     runs = [report.Run(name, result, warnings=list(said))]
     text = (
         f"{len(surfaces)} surfaces, {where}: landmarks that correspond, and the shape model of "
@@ -181,7 +183,8 @@ def _run_files(
     )
     title = f"{name}: from {'labels' if labels else 'surfaces'} to a shape model"
     made = began.saying(facts_of(result, choices))
-    return _finish(results, title, text, [Section([row], runs, model=model)], choices, steps, made)
+    section = Section([row], runs, model=model, explorer=explorer)
+    return _finish(results, title, text, [section], choices, steps, made)
 
 
 def _where(paths: Sequence[Path], names: Sequence[str]) -> str:
@@ -317,7 +320,7 @@ def run_phantom(
         rows.append(Row(part, found["Robust"], up=(0, 0, 1)))
         _write_layers(results, name, rows[-1], steps)
         with attention.collected() as of_model:
-            _build_model(results, name, found["Robust"], choices, steps)
+            _build_model(results, name, rows[-1], choices, steps)
         for method, result in found.items():
             said = [*result.warnings, *(of_model if method == "Robust" else ())]
             runs.append(report.Run(name, result, errors[-1][method], said))
@@ -388,7 +391,7 @@ def _scan_section(
         )
         row = Row(f"Cavity, from slices {SCAN_SPACING[2]:g} mm apart", result, up=(0, 0, 1))
         _write_layers(results, name, row, steps)
-        model = _build_model(results, name, result, choices, steps)
+        model, explorer = _build_model(results, name, row, choices, steps)
         whole = str(volume.get("labels", "1")) == "1"
         return Section(
             [row],
@@ -398,6 +401,7 @@ def _scan_section(
             "What comes out: a closed surface per phase, landmarks that correspond, and the "
             "statistical shape model of the cycle.",
             model=model,
+            explorer=explorer,
             true_volumes=np.array([surface.volume for surface in fine]) if whole else None,
         )
 
@@ -428,10 +432,11 @@ def _write_layers(results: ResultFolder, name: str, row: Row, steps: Lines) -> N
 
 
 def _build_model(
-    results: ResultFolder, name: str, result: Correspondence, choices: Choices, steps: Lines
-) -> ShapeModel:
-    """The landmarks and their shape model, as files for NumPy, as tables, and as what else was
-    asked for."""
+    results: ResultFolder, name: str, row: Row, choices: Choices, steps: Lines
+) -> Tuple[ShapeModel, Explorer]:
+    """The landmarks and their shape model, as files for NumPy, as tables, as a page to explore it,
+    and as what else was asked for."""
+    result = row.result
     steps.begin(f"{name}: shape model")
     for ending in ("npz", "csv"):
         results.write(
@@ -465,8 +470,16 @@ def _build_model(
     model = made[0]
     results.write(f"{name}/scores.csv", lambda path: report.write_scores(path, model))
     results.write(f"{name}/model.csv", lambda path: report.write_measures(path, model))
+    explorer = explore(
+        model,
+        title=name,
+        unit=result.unit,
+        cyclic=result.order == "Cyclic time",
+        up=row.up,
+    )
+    results.write(f"{name}/{EXPLORER}", explorer.save)
     steps.done(f"{name}: shape model: {report.model_summary(model)}")
-    return model
+    return model, explorer
 
 
 def _beside_particles(path: Path) -> List[Path]:

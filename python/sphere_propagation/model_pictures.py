@@ -209,7 +209,7 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
 
 
 def scores(row: Row, model: ShapeModel, path, *, shown: int = 3) -> None:
-    """Scores of the first modes in standard deviations. Of phases over time, with the way through
+    """Scores of the first modes in standard deviations. Of phases over time, with their path in
     the plane of the first two; of shapes by name, with their places in that plane."""
     shown = min(shown, len(model.modes))
     units = model.scores[:, :shown] / np.sqrt(model.eigenvalues[:shown])
@@ -260,7 +260,7 @@ def _scores_of_phases(row: Row, units, labels, names, path) -> None:
             edgecolors="white",
             linewidths=0.8,
         )
-        _titles(axis, "The way through the first two modes", *PLANE)
+        _titles(axis, "Path through the first two modes", *PLANE)
         axis.margins(0.12)
         quiet_axes(axis, both=True)
         key = figure.colorbar(dots, ax=axis, pad=0.03, fraction=0.05)

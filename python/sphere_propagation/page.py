@@ -7,9 +7,10 @@ from __future__ import annotations
 import base64
 import html
 from pathlib import Path
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from . import report
+from .explorer import Explorer
 from .model import ShapeModel
 from .provenance import Provenance
 from .version import version
@@ -48,13 +49,20 @@ td.words, th.words { text-align: left; }
 td.words:last-child { white-space: normal; }
 details { margin: 12px 0; }
 summary { cursor: pointer; font-weight: 600; }
+.explorer summary {
+  display: inline-block; padding: 6px 16px; border-radius: 6px; background: #0b63a5; color: #fff;
+}
+.explorer iframe {
+  display: block; width: 100%; height: 700px; max-height: 92vh; margin-top: 12px;
+  border: 1px solid #d8dce2; border-radius: 8px; box-sizing: border-box;
+}
 dl { font-size: 14px; margin: -12px 0 24px; }
 dt { float: left; clear: left; font-weight: 600; margin-right: 8px; }
 dd { margin: 0 0 4px; max-width: 96ch; }
 .box { margin-top: 52px; padding: 4px 24px 8px; border: 2px solid #d8dce2; border-radius: 8px; }
 .box h2 { margin: 12px 0 0; padding: 0; border: 0; }
 .box td { white-space: normal; overflow-wrap: anywhere; }
-.box td.words:first-child { white-space: nowrap; font-weight: 600; color: #5b6570; }
+.box > .scroll td.words:first-child { white-space: nowrap; font-weight: 600; color: #5b6570; }
 footer { margin-top: 56px; font-size: 14px; }
 """
 
@@ -80,6 +88,7 @@ class Chapter(NamedTuple):
     pictures: Sequence[Picture]
     tables: Sequence[Table]
     box: bool = False  # set apart from the others
+    explorer: Optional[Explorer] = None  # of its shape model
 
 
 def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None:
@@ -90,6 +99,7 @@ def write_page(path, title: str, text: str, chapters: Sequence[Chapter]) -> None
         parts.append(f"<h2>{html.escape(chapter.title)}</h2>" if chapter.title else "")
         parts.append(f"<p>{html.escape(chapter.text)}</p>" if chapter.text else "")
         parts += [_figure(picture) for picture in chapter.pictures if picture.path.is_file()]
+        parts.append(_explorer(chapter.explorer) if chapter.explorer else "")
         parts += [_table(table) for table in chapter.tables]
         parts.append("</section>" if chapter.box else "")
     parts.append(
@@ -243,6 +253,18 @@ def _figure(picture: Picture) -> str:
         f"<figure{' class=narrow' if picture.narrow else ''}>"
         f'<img src="data:image/png;base64,{data}" alt="{caption}">'
         f"<figcaption>{caption}</figcaption></figure>"
+    )
+
+
+def _explorer(explorer: Explorer) -> str:
+    """Folded and not loaded before somebody wants it: where it lies it takes the wheel."""
+    load = "const frame = this.querySelector('iframe'); frame.srcdoc ||= frame.dataset.page"
+    return (
+        f'<details class="explorer" ontoggle="{load}"><summary>Explore the shape model</summary>'
+        f'<iframe title="{html.escape(explorer.about)}" '
+        f'data-page="{html.escape(explorer.html)}"></iframe></details>'
+        '<p class="muted">Sliders for the modes, the shapes played one after another, distances as '
+        "colours, landmarks to drag: inside this page, for browsers with WebGL 2.</p>"
     )
 
 

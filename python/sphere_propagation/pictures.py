@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Pictures of maps, landmarks and errors as PNG files, rendered off screen with PyVista and set
-with Matplotlib.
+"""Pictures of maps, landmarks and errors as PNG files, rendered off screen with VTK and set with
+Matplotlib.
 
 All surfaces of one picture are seen from one side and at one scale, so that what moves is the heart
 and not the camera.
@@ -34,14 +34,14 @@ COLUMNS = 6  # of surfaces in a picture
 # takes half the time of the renderer's own anti-aliasing.
 FINER = 2
 Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
-NEEDED = ("matplotlib", "pyvista")  # the extra `pictures`
+NEEDED = {"matplotlib": "matplotlib", "vtkmodules": "vtk"}  # the extra `pictures`, by module
 INK, GREY = "#1c2530", "#5b6570"
 PUBLISHED, ROBUST = "#c2410c", "#0f766e"
 
 
 def what_is_missing() -> str:
     """What keeps pictures from being drawn here, and how to get it; empty when nothing does."""
-    missing = [name for name in NEEDED if find_spec(name) is None]
+    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
     if missing:
         return f"{' and '.join(missing)} not installed (pip install 'sphere-propagation[pictures]')"
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
@@ -334,70 +334,106 @@ class Scene:
         return [self.picture[y : y + h, x : x + w] for x, y, w, h in places]
 
     def _render(self) -> np.ndarray:
-        import pyvista
         from PIL import Image
 
-        plotter = _plotter()
-        plotter.clear_actors()
-        plotter.window_size = [FINER * self.width, FINER * self.height]
+        window = _window()
+        window.renderer.RemoveAllViewProps()
         # As few actors as there are kinds: each costs time, whatever is in it.
         for kind in dict.fromkeys(mesh.kind for mesh in self.meshes):
-            points, faces, normals, values = _joined([m for m in self.meshes if m.kind == kind])
-            mesh = pyvista.PolyData(points, np.c_[np.full(len(faces), 3), faces].ravel())
-            mesh.point_data.active_normals = normals.astype(np.float32)
-            if kind.chart:
-                mesh.active_texture_coordinates = values.astype(np.float32)
-                paint = {"texture": _texture(kind.chart)}
-            else:
-                mesh["colors"] = values
-                paint = {"scalars": "colors", "rgb": True}
-            actor = plotter.add_mesh(
-                mesh,
-                **paint,
-                ambient=kind.ambient,
-                diffuse=0.80,
-                specular=kind.specular,
-                specular_power=18,
-                render=False,
+            window.renderer.AddActor(
+                _actor(kind, *_joined([m for m in self.meshes if m.kind == kind]))
             )
-            actor.prop.interpolation = "Phong"
-        far = 10.0 * max(self.width, self.height)
-        middle = (self.width / 2, -self.height / 2)
-        plotter.camera_position = [(*middle, far), (*middle, 0), (0, 1, 0)]
-        plotter.camera.parallel_projection = True
-        plotter.camera.parallel_scale = self.height / 2
-        plotter.camera.clipping_range = (0.01 * far, 2 * far)
-        plotter.render()
-        picture = plotter.screenshot(None, return_img=True)
-        plotter.clear_actors()
-        return np.asarray(Image.fromarray(picture).reduce(FINER))
+        image = window.picture(FINER * self.width, FINER * self.height, self.width, self.height)
+        window.renderer.RemoveAllViewProps()
+        return np.asarray(Image.fromarray(image).reduce(FINER))
+
+
+class _Window:
+    """VTK without a window on the screen. Its modules are used as they are: PyVista's import would
+    take as long as two pictures."""
+
+    def __init__(self):
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (what draws)
+        from vtkmodules.vtkRenderingCore import vtkLight, vtkRenderer, vtkRenderWindow
+
+        self.renderer = vtkRenderer()
+        self.renderer.SetBackground(1, 1, 1)
+        self.renderer.SetAutomaticLightCreation(False)
+        for position, intensity in (
+            ((-1.0, 1.6, 2.2), 0.80),
+            ((1.6, 0.2, 1.6), 0.34),
+            ((0, -1.5, 1.0), 0.16),
+        ):
+            light = vtkLight()
+            light.SetLightTypeToSceneLight()
+            light.SetPosition(*position)
+            light.SetIntensity(intensity)
+            self.renderer.AddLight(light)
+        self.window = vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.SetMultiSamples(0)
+        self.window.AddRenderer(self.renderer)
+
+    def picture(self, across: int, down: int, width: float, height: float) -> np.ndarray:
+        """In so many pixels, of what lies from (0, 0) to (width, -height)."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        far = 10.0 * max(width, height)
+        camera = self.renderer.GetActiveCamera()
+        camera.SetFocalPoint(width / 2, -height / 2, 0)
+        camera.SetPosition(width / 2, -height / 2, far)
+        camera.SetViewUp(0, 1, 0)
+        camera.SetParallelProjection(True)
+        camera.SetParallelScale(height / 2)
+        camera.SetClippingRange(0.01 * far, 2 * far)
+        self.window.SetSize(across, down)
+        self.window.Render()
+        pixels = vtkUnsignedCharArray()
+        self.window.GetPixelData(0, 0, across - 1, down - 1, 0, pixels, 0)
+        return vtk_to_numpy(pixels).reshape(down, across, 3)[::-1]
 
 
 @lru_cache(maxsize=1)
-def _plotter():
+def _window() -> _Window:
     """One for all pictures: a new one translates its shaders again, which takes as long as a
     picture."""
-    import pyvista
+    return _Window()
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64], lighting="none")
-    plotter.set_background("white")
-    for position, intensity in (
-        ((-1.0, 1.6, 2.2), 0.80),
-        ((1.6, 0.2, 1.6), 0.34),
-        ((0, -1.5, 1.0), 0.16),
-    ):
-        plotter.add_light(
-            pyvista.Light(
-                position=position,
-                focal_point=(0, 0, 0),
-                intensity=intensity,
-                light_type="scene light",
-            )
-        )
-    plotter.disable_anti_aliasing()
-    plotter.render_window.SetMultiSamples(0)
-    plotter.screenshot(None, return_img=True)  # sets it up
-    return plotter
+
+def _actor(kind: _Kind, points, faces, normals, values):
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+    def array(numbers, kind=np.float32):
+        return numpy_to_vtk(np.ascontiguousarray(numbers, kind), deep=True)
+
+    mesh, places, triangles = vtkPolyData(), vtkPoints(), vtkCellArray()
+    places.SetData(array(points))
+    corners = np.ascontiguousarray(faces, np.int64).ravel()
+    triangles.SetData(3, numpy_to_vtkIdTypeArray(corners, deep=True))
+    mesh.SetPoints(places)
+    mesh.SetPolys(triangles)
+    mesh.GetPointData().SetNormals(array(normals))
+    actor, mapper = vtkActor(), vtkPolyDataMapper()
+    if kind.chart:
+        mesh.GetPointData().SetTCoords(array(values))
+        mapper.SetScalarVisibility(False)
+        actor.SetTexture(_texture(kind.chart))
+    else:
+        mesh.GetPointData().SetScalars(array(values, np.uint8))
+        mapper.SetColorModeToDirectScalars()
+    mapper.SetInputData(mesh)
+    actor.SetMapper(mapper)
+    shine = actor.GetProperty()
+    shine.SetAmbient(kind.ambient)
+    shine.SetDiffuse(0.80)
+    shine.SetSpecular(kind.specular)
+    shine.SetSpecularPower(18)
+    shine.SetInterpolationToPhong()
+    return actor
 
 
 class _Kind(NamedTuple):
@@ -504,7 +540,9 @@ def _chart_coordinates(chart: str, positions: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=3)
 def _texture(chart: str):
-    import pyvista
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkRenderingCore import vtkTexture
 
     if chart == BELT:
         # Three turns of longitude side by side, so that a triangle across the date line finds its
@@ -519,8 +557,13 @@ def _texture(chart: str):
         x, y = across[None], -across[:, None]
         latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
         colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))
-    texture = pyvista.Texture(colors)
-    texture.interpolate = True  # and no mipmap: fields are larger in pictures than here
+    image, texture = vtkImageData(), vtkTexture()
+    image.SetDimensions(colors.shape[1], colors.shape[0], 1)
+    rows = np.ascontiguousarray(colors[::-1]).reshape(-1, 3)
+    image.GetPointData().SetScalars(numpy_to_vtk(rows, deep=True))
+    texture.SetInputData(image)
+    texture.SetColorModeToDirectScalars()
+    texture.InterpolateOn()  # and no mipmap: fields are larger in pictures than here
     return texture
 
 

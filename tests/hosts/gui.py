@@ -73,7 +73,7 @@ class MeshLab:
     """
 
     def __init__(
-        self, binary, home, agent, files=(), pictures=None, environment=None, screen=(1280, 900)
+        self, binary, home, agent, files=(), pictures=None, environment=None, screen=(1280, 768)
     ):
         self.binary, self.home, self.agent = Path(binary), Path(home), Path(agent)
         self.files, self.pictures = [str(Path(f).resolve()) for f in files], Path(pictures or home)

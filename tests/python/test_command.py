@@ -18,6 +18,7 @@ import sphere_propagation as sp
 from sphere_propagation import command, flags, model_pictures, pictures, plugin, progress
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
+FRAME = r'<iframe [^>]*data-page="([^"]+)"'  # the report's explorer
 
 
 def write(folder, surfaces):
@@ -68,7 +69,11 @@ def test_a_folder_of_meshes(heart, tmp_path, capsys):
 
 
 def assert_that_it_is_one_file(page):
-    """Nothing is fetched: every source is data, and no sheet, script or link leads out."""
+    """Nothing is fetched: every source is data, and no sheet, script or link leads out. The page to
+    explore the model is the only frame; by its policy it can fetch nothing either."""
+    for frame in re.findall(FRAME, page):
+        assert "default-src 'none'; style-src 'unsafe-inline'" in html.unescape(frame)
+    page = re.sub(FRAME, "", page)
     assert set(re.findall(r'src="(.{5})', page)) <= {"data:"}
     assert not re.search(
         r"<(script|link|iframe)|url\(|href=|https?://", re.sub(r'src="data:[^"]+"', "", page)
@@ -186,6 +191,8 @@ def test_the_phantom(tmp_path, capsys):
         "How right is it? Fine surfaces whose truth is known",
         "How this was made",
     ]
+    assert len(re.findall(FRAME, page)) == 1
+    page = re.sub(FRAME, "", page)
     assert (
         page.count("phantom wall 02") == 2
         and page.count("scan label 1 phase 02") == 1

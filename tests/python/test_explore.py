@@ -217,6 +217,33 @@ def test_jupyter_shows_it_inline():
     assert inline.startswith("<iframe srcdoc=") and inline.count('"') == 6
 
 
+def test_the_report_holds_it_folded(chromium, tmp_path):
+    """It is not loaded before it is unfolded, and shows the model that was written beside it."""
+    (tmp_path / "phases").mkdir()
+    for k, ball in enumerate(sp.make_phantom(phases=3, voxel_size=4.0)):
+        sp.write_ply(tmp_path / f"phases/{k}.ply", ball.vertices, ball.faces)
+    out = tmp_path / "out"
+    words = ["run", tmp_path / "phases", "-o", out, "--order", "cyclic", "--frequency", 2]
+    assert command.main([str(word) for word in [*words, "--no-pictures"]]) == 0
+    chromium.complaints.clear()
+    chromium.requests.clear()
+    chromium.open(out / "report.html")
+    inside = "document.querySelector('iframe').contentWindow.explorer"
+    assert chromium.run(f"{inside} === undefined")
+    chromium.run(
+        "new Promise((go) => { document.querySelector('iframe').addEventListener('load', go);"
+        "document.querySelector('.explorer summary').click(); })"
+    )
+    chromium.run(f"{inside}.setScores([1, -2])")
+    model = sp.read_model(out / "phases/model.npz")
+    expected = model.shape(np.array([1, -2]) * np.sqrt(model.eigenvalues))
+    assert np.array(chromium.run(f"{inside}.vertices()")) == pytest.approx(expected, abs=1e-4)
+    assert chromium.run("document.documentElement.scrollWidth <= innerWidth")
+    assert (out / "phases/explore.html").is_file()
+    assert chromium.complaints == []
+    assert [url for url in chromium.requests if not url.startswith(("file:", "about:"))] == []
+
+
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 @pytest.mark.parametrize("name", explorer.SCRIPTS)
 def test_scripts_are_javascript(name):

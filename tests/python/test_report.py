@@ -256,14 +256,9 @@ def test_many_shapes_have_histograms(cycle, tmp_path):
 
 
 def test_one_window_draws_all_pictures(cycle, tmp_path, monkeypatch):
-    import pyvista
-
-    made = []
-    plotter = pyvista.Plotter
-    monkeypatch.setattr(
-        pyvista, "Plotter", lambda *given, **more: made.append(1) or plotter(*given, **more)
-    )
-    pictures._plotter.cache_clear()
+    made, window = [], pictures._Window
+    monkeypatch.setattr(pictures, "_Window", lambda: made.append(1) or window())
+    pictures._window.cache_clear()
     for draw in (pictures.maps_on_surfaces, pictures.landmarks_on_surfaces):
         draw([Row("heart", cycle)], tmp_path / "x.png")
     assert len(made) == 1

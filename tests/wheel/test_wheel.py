@@ -129,12 +129,12 @@ assert used and all("/sphere_propagation/" in path for path in used), used
 
 
 def test_the_command(environment):
-    """Without Matplotlib and PyVista: everything but the pictures."""
+    """Without Matplotlib and VTK: everything but the pictures."""
     said = environment.run(
         "sphere-propagation", "demo", "out", "--phases", 3, "--voxel-size", 4, "--frequency", 3
     )
     assert (
-        "matplotlib and pyvista not installed" in said
+        "matplotlib and vtk not installed" in said
         and (environment.folder / "out/wall/wall.mlp").is_file()
     )
     said = environment.run(
