@@ -46,7 +46,9 @@ def raster(ms, tmp_path):
 
 
 def shapes(ms):
-    return [(m.label(), m.vertex_matrix(), m.face_matrix()) for m in layers(ms) if m.label() != "odd"]
+    return [
+        (m.label(), m.vertex_matrix(), m.face_matrix()) for m in layers(ms) if m.label() != "odd"
+    ]
 
 
 @pytest.mark.parametrize("name", [name for name in FILTERS if name != PHANTOM])
