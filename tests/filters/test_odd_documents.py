@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Projects with a layer that is no surface: every filter leaves it out and says so, or is refused in
-its name; what the others get is the same as without it."""
+"""Projects with a layer that is no surface: every filter leaves it out and says so, or is refused
+in its name; what the others get is the same as without it."""
 
 import numpy as np
 import pymeshlab

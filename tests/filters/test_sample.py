@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """The sample projects tell what their README says."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pymeshlab
 from documents import COLOR, EVALUATE, PROPAGATE, REMESH, ROOT, SPHERES, landmark_layers
@@ -50,6 +54,23 @@ def test_the_end_has_maps_landmarks_and_colours():
     centres = np.array([(t @ [*(a + b) / 2, 1])[:3] for a, b, t in boxes])
     gaps = np.linalg.norm(centres[:, None] - centres[None], axis=2) + 1e9 * np.eye(len(centres))
     assert gaps.min() > 40  # mm: side by side
+
+
+def test_it_is_what_make_sample_makes(tmp_path):
+    """Up to rounding, which compilers do as they like."""
+    script = PROJECT / "sample_projects/make_sample.py"
+    paths = {"PYTHONPATH": str(PROJECT / "python")}
+    subprocess.run([sys.executable, script, tmp_path], check=True, env={**os.environ, **paths})
+    kept = {path.relative_to(SAMPLE) for path in SAMPLE.rglob("*") if path.is_file()}
+    made = {
+        path.relative_to(tmp_path / "ventricle") for path in tmp_path.rglob("*.*") if path.is_file()
+    }
+    assert made == kept
+    for project in ("ventricle.mlp", "finished/finished.mlp"):
+        for a, b in zip(opened(SAMPLE / project), opened(tmp_path / "ventricle" / project)):
+            assert a.label() == b.label() and np.array_equal(a.face_matrix(), b.face_matrix())
+            assert np.abs(a.vertex_matrix() - b.vertex_matrix()).max() < 0.01  # mm
+            assert np.abs(a.transform_matrix() - b.transform_matrix()).max() < 0.01
 
 
 def test_it_is_small():
