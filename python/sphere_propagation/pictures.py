@@ -34,14 +34,14 @@ COLUMNS = 6  # of surfaces in a picture
 # takes half the time of the renderer's own anti-aliasing.
 FINER = 2
 Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
-NEEDED = {"matplotlib": "matplotlib", "vtkmodules": "vtk"}  # the extra `pictures`, by module
+NEEDED = ("matplotlib", "vtk")  # the extra `pictures`
 INK, GREY = "#1c2530", "#5b6570"
 PUBLISHED, ROBUST = "#c2410c", "#0f766e"
 
 
 def what_is_missing() -> str:
     """What keeps pictures from being drawn here, and how to get it; empty when nothing does."""
-    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
+    missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         return f"{' and '.join(missing)} not installed (pip install 'sphere-propagation[pictures]')"
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
