@@ -182,7 +182,9 @@ def test_the_main_job(start, sample):
             ("7-direction", "Direction"),
             ("8-area-ratio", "Area ratio"),
         ):
-            assert "10 layers coloured" in gui.apply(COLOR, Pattern=pattern, Cells="6")
+            # The tutorial shows the checkerboard that the defaults give.
+            more = {} if pattern == "Checkerboard" else {"Cells": "6"}
+            assert "10 layers coloured" in gui.apply(COLOR, Pattern=pattern, **more)
             gui.close_dialog()
             show(gui, name)
         gui.apply(REMESH, Frequency="5")
@@ -226,9 +228,10 @@ def test_the_shape_model(start, sample):
         gui.apply(ROOT)
         gui.apply(PROPAGATE, Order="Cyclic time")
         gui.apply(REMESH)
-        assert "mode 1: standard deviation" in gui.apply(MODEL, Modes_shown="1")
-        made = ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd"]
-        assert labels(gui)[-3:] == made
+        assert "mode 1: standard deviation" in gui.apply(MODEL)
+        ends = [f"mode {m} {sign}3 sd" for m in (1, 2, 3) for sign in "-+"]
+        made = ["mean shape", *ends]
+        assert labels(gui)[-7:] == made
         gui.close_dialog()
         show(gui, "12-model")
         ms, layers = saved(gui, sample.parent / "model.mlp")
