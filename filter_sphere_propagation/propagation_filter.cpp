@@ -17,7 +17,10 @@
 #include "filter_sphere_propagation/reporting.h"
 #include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
+#include "vcg_ext/anchors/anchor_places.h"
+#include "vcg_ext/anchors/snapped_map.h"
 #include "vcg_ext/base/statistics.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/propagation.h"
@@ -129,6 +132,7 @@ class PropagationFilter : public host::Filter {
             help_.parameter("anchors", host::choiceOf(anchorUses, AnchorUse::Soft)),
             help_.parameter("anchor_files", std::string()),
             help_.parameter("anchor_sd", AnchorParameters{}.deviation),
+            help_.parameter("anchor_snap", false),
             help_.parameter("anisotropic_scaling", published.anisotropicScaling).asAdvanced(),
             help_.parameter("icp_iterations", published.icpIterations).asAdvanced(),
             help_.parameter("smoothing_sweeps", published.smoothingSweeps).asAdvanced(),
@@ -138,7 +142,7 @@ class PropagationFilter : public host::Filter {
   host::Outputs run(host::Task& task) const override {
     const PropagationParameters asked = readParameters(task.values);
     Participants participants = readParticipants(task);
-    const MappedSurface rootMap = readRoot(participants);
+    MappedSurface rootMap = readRoot(participants);
     PropagationOrder order{task.values.choice("order", orders)};
     if (order.kind == Order::Given)
       order.parents = placesOfParents(participants, task.values.text("parents"));
@@ -167,6 +171,9 @@ class PropagationFilter : public host::Filter {
       if (mirrorPlanes[i])
         for (auto& [name, place] : parameters.anchors.layers[i])
           place[0] = 2 * *mirrorPlanes[i] - place[0];
+    const std::vector<int> landmarks =
+        task.values.flag("anchor_snap") ? snap(task, parameters.anchors, participants.root, rootMap)
+                                        : std::vector<int>{};
     if (order.kind == Order::CyclicTime) parameters.closing = closingArc(tree.size(), tree.root());
     logNotes(task, participants, tree);
     const Propagation propagated =
@@ -181,9 +188,14 @@ class PropagationFilter : public host::Filter {
         (propagated.averaged > 0 || propagated.smoothed == 0))
       task.say(messages::bothWays, propagated.averaged, tree.size() - 1);
     warnOfSides(task, participants, sides, mirrors);
-    host::Outputs outputs = write(task, participants, propagated.layers);
+    host::Outputs outputs = write(task, participants, propagated.layers, !landmarks.empty());
     outputs["mirrored"] = mirrored;
     reportAnchors(task, participants, parameters.anchors, propagated.layers, outputs);
+    if (!landmarks.empty())
+      outputs["anchor_landmark"] =
+          Eigen::Map<const Eigen::VectorXi>(landmarks.data(),
+                                            static_cast<Eigen::Index>(landmarks.size()))
+              .cast<double>();
     if (propagated.closing) {
       const MapDifference& difference = *propagated.closing;
       const auto label = [&](int i) { return participants.layers[static_cast<size_t>(i)].label(); };
@@ -244,6 +256,24 @@ class PropagationFilter : public host::Filter {
                  namesIn({missing.begin(), missing.end()}));
     if (found[root].empty()) return {};
     return found;
+  }
+
+  /// Moves the root's map until its anchors are landmarks. Returns their numbers, none where there
+  /// are no anchors.
+  static std::vector<int> snap(const host::Task& task, const AnchorParameters& anchors, int root,
+                               MappedSurface& map) {
+    if (anchors.layers.empty()) return {};
+    const AnchorSet& ofRoot = anchors.layers[static_cast<size_t>(root)];
+    std::vector<std::string> names, told;
+    for (const auto& [name, place] : ofRoot) names.push_back(name);
+    const SurfaceLocator surface(map.surface().vertices(), map.faces());
+    SnappedMap snapped = snapToLandmarks(map, closestPoints(surface, ofRoot, names), names);
+    for (size_t k = 0; k < names.size(); ++k)
+      told.push_back(names[k] + " " + std::to_string(snapped.landmarks[k]));
+    task.say(messages::anchorsSnapped, icosphere(snapFrequency).vertices.rows(), snapFrequency,
+             namesIn(told, told.size()));
+    map = std::move(snapped.map);
+    return snapped.landmarks;
   }
 
   /// What became of the anchors. Entries of layer i and anchor k, in the order of the names, stand
@@ -459,15 +489,24 @@ class PropagationFilter : public host::Filter {
     return mirrored;
   }
 
+  /// isRootNew: whether the root's map is another one than it has.
   static host::Outputs write(host::Task& task, const Participants& participants,
-                             const std::vector<PropagatedLayer>& propagated) {
+                             const std::vector<PropagatedLayer>& propagated, bool isRootNew) {
     const size_t count = participants.layers.size();
     // A layer whose own map was handed to it passes on the root that this came from: they all
     // belong together.
     const host::Layer& rootLayer = participants.layers[static_cast<size_t>(participants.root)];
-    const std::optional<int> known = rootLayer.mark(host::rootMark),
-                             root = known ? known : rootLayer.mapFingerprint();
-    if (root && !known) task.changes.setMark(rootLayer, host::rootMark, *root);
+    const std::optional<int> known = rootLayer.mark(host::rootMark);
+    std::optional<int> root = known ? known : rootLayer.mapFingerprint();
+    if (isRootNew) {
+      const auto place = static_cast<size_t>(participants.root);
+      if (const auto note =
+              task.changes.setMap(rootLayer, participants.meshes[place], propagated[place].map()))
+        task.tell(*note);
+      root = task.changes.rootOfMapOn(rootLayer);
+    } else if (root && !known) {
+      task.changes.setMark(rootLayer, host::rootMark, *root);
+    }
     MapFigures figures(count);
     const auto entries = static_cast<Eigen::Index>(count);
     Eigen::VectorXd parent(entries), residualMean(entries), residualP95(entries),

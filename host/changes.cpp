@@ -251,6 +251,12 @@ std::optional<Remark> Changes::setMap(const Layer& layer, const MeshSurface& sur
   return {};
 }
 
+std::optional<int> Changes::rootOfMapOn(const Layer& layer) const {
+  for (auto change = maps_.rbegin(); change != maps_.rend(); ++change)
+    if (change->layerId == layer.id()) return change->root;
+  return std::nullopt;
+}
+
 void Changes::setMark(const Layer& layer, const char* name, int value) {
   marks_.push_back({layer.id(), name, value});
 }

@@ -66,6 +66,9 @@ class Changes {
   std::optional<Remark> setMap(const Layer& layer, const MeshSurface& surface,
                                const MappedSurface& map, std::optional<int> root = {});
 
+  /// The mark of the root that the map set last on a layer came from; nothing where none is set.
+  std::optional<int> rootOfMapOn(const Layer& layer) const;
+
   /// Puts a mark on a layer, see layers.h.
   void setMark(const Layer& layer, const char* name, int value);
 

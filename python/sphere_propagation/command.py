@@ -213,6 +213,7 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         anchors=options.anchors,
         anchor_sd=options.anchor_sd,
         exact=options.exact_anchors,
+        anchor_snap=options.anchor_snap,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
     preparation = steps if options.prepare else None
@@ -619,6 +620,12 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "--exact-anchors",
         action="store_true",
         help="every map has the anchors in exactly the root's places",
+    )
+    add(
+        "--anchor-snap",
+        action="store_true",
+        help="the root's anchors become landmarks, and with --exact-anchors those of all meshes; "
+        "where --frequency is a multiple of 10",
     )
     add(
         "--labels",

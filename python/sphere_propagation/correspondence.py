@@ -37,6 +37,8 @@ from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, as_surfaces, largest
 from .units import DEFAULT_UNIT, unit_named
 
+SNAP_FREQUENCY = 10  # of the landmarks that anchor_snap brings anchors to
+
 
 @dataclass(frozen=True, eq=False)
 class Correspondence:
@@ -87,6 +89,7 @@ def correspond(
     anchors: Anchors = DEFAULTS.anchors,
     anchor_sd: float = DEFAULTS.anchor_sd,
     exact: bool = DEFAULTS.exact,
+    anchor_snap: bool = DEFAULTS.anchor_snap,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
@@ -100,7 +103,7 @@ def correspond(
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
     groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
     as optimise_groupwise does; for shapes in no order.
-    anchors, anchor_sd, exact: points that must correspond, as of propagate.
+    anchors, anchor_sd, exact, anchor_snap: points that must correspond, as of propagate.
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
@@ -120,6 +123,7 @@ def correspond(
         anchors=anchors,
         anchor_sd=anchor_sd,
         exact=exact,
+        anchor_snap=anchor_snap,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
 
@@ -176,6 +180,7 @@ def _correspond(
         anchors=parameters.anchors,
         anchor_sd=parameters.anchor_sd,
         exact=parameters.exact,
+        anchor_snap=parameters.anchor_snap,
     )
     surfaces = propagation.surfaces
     figures = dict(propagation.figures)
@@ -202,15 +207,31 @@ def _correspond(
         root=root,
         method=parameters.method,
         order=parameters.order,
-        root_map=root_map,
+        root_map=maps[root] if parameters.anchor_snap else root_map,
         maps=maps,
         landmarks=landmarks.points,
         landmark_faces=landmarks.faces,
         figures=figures,
         unit=unit,
         lid=2 * landmarks.lid.sum(0) >= len(surfaces),
-        anchors=propagation.anchors,
+        anchors=_renumbered(propagation.anchors, parameters.frequency),
     )
+
+
+def _renumbered(anchors: Optional[AnchorFit], frequency: int) -> Optional[AnchorFit]:
+    """With the landmarks of an icosphere of another frequency, a multiple: it is nested
+    (vcg_ext/mesh/icosphere.h), place s of row r at place k s of row k r."""
+    if anchors is None or anchors.landmarks is None:
+        return anchors
+
+    def starts(f):
+        row = np.arange(3 * f + 1)
+        return np.cumsum([0, *np.maximum(1, 5 * np.minimum(f, np.minimum(row, 3 * f - row)))])
+
+    k, former = frequency // SNAP_FREQUENCY, starts(SNAP_FREQUENCY)
+    row = np.searchsorted(former, anchors.landmarks, side="right") - 1
+    numbers = starts(frequency)[k * row] + k * (anchors.landmarks - former[row])
+    return replace(anchors, landmarks=numbers)
 
 
 def _optimised(
@@ -249,7 +270,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = in_full(name, getattr(parameters, name))
         require_choice(name, value, NAMED[name])
         parameters = replace(parameters, **{name: value})
-    for name in ("groupwise", "exact"):
+    for name in ("groupwise", "exact", "anchor_snap"):
         if not isinstance(getattr(parameters, name), (bool, np.bool_)):
             raise InputError(f"{name} must be True or False, not {getattr(parameters, name)!r}.")
     for name in ("area_weight", "area_restoration"):
@@ -277,6 +298,11 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         if root is not None and root != given:
             raise InputError(f"Layer {root} cannot be the root: parents say that layer {given} is.")
         root = given
+    if parameters.anchor_snap and frequency % SNAP_FREQUENCY:
+        raise InputError(
+            "anchor_snap makes anchors landmarks where frequency is a multiple of "
+            f"{SNAP_FREQUENCY}, not {frequency}."
+        )
     return replace(parameters, root=root, frequency=frequency)
 
 

@@ -85,7 +85,8 @@ class AnchorFit:
     root's, in their unit; distance_before: the same for the place that the surface's parent brings
     along, nothing fitted yet (Robust). z: how many standard deviations per coordinate it lies from
     where the others say that it is (Robust). widening: by surface, by how much more variance than
-    the prior's they ask for.
+    the prior's they ask for. landmarks: with anchor_snap, which landmark each is: of propagate, of
+    those of frequency 10; of correspond, of its own.
     """
 
     names: List[str]
@@ -93,6 +94,7 @@ class AnchorFit:
     distance_before: np.ndarray
     z: np.ndarray
     widening: np.ndarray
+    landmarks: Optional[np.ndarray] = None
 
     def __repr__(self) -> str:
         return f"AnchorFit({', '.join(self.names)}; {np.nanmean(self.distance):.3g} off on average)"
@@ -301,6 +303,7 @@ def propagate(
     anchors: Anchors = DEFAULTS.anchors,
     anchor_sd: float = DEFAULTS.anchor_sd,
     exact: bool = DEFAULTS.exact,
+    anchor_snap: bool = DEFAULTS.anchor_snap,
     anisotropic_scaling: bool = True,
     icp_iterations: int = 30,
     smoothing_sweeps: int = 50,
@@ -323,7 +326,8 @@ def propagate(
     folder of files, called as the surfaces are (docs/anchors.md). Names join them; a surface may
     lack some.
     anchor_sd: how far each may be off in each coordinate, as a standard deviation; 0: the surface's
-    mean edge length. exact: whether every map has them in exactly the root's places.
+    mean edge length. exact: whether every map has them in exactly the root's places. anchor_snap:
+    whether the root's map is first moved until its anchors are landmarks of frequency 10.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with
     any number.
@@ -349,6 +353,7 @@ def propagate(
         anchors="Off" if places is None and not folder else "Exact" if exact else "Soft",
         anchor_files=folder,
         anchor_sd=real_number("anchor_sd", anchor_sd),
+        anchor_snap=anchor_snap,
         root_layer=root_layer,
         method=method,
         order=order,
@@ -377,7 +382,10 @@ def propagate(
         }
         widening = figures.pop("prior_widening")
         names = bytes(map(int, figures.pop("anchor_names"))).decode().split("\n")
-        fit = AnchorFit(names, **by_anchor, widening=widening)
+        landmarks = figures.pop("anchor_landmark", None)
+        if landmarks is not None:
+            landmarks = landmarks.astype(int)
+        fit = AnchorFit(names, **by_anchor, widening=widening, landmarks=landmarks)
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
         replace(layers.surface_of(meshes.mesh(i), surface.name), space=surface.space)

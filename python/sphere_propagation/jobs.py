@@ -200,7 +200,11 @@ def _where(paths: Sequence[Path], names: Sequence[str]) -> str:
 def _anchors(found: Optional[filters.AnchorFit], parameters: CorrespondenceParameters) -> str:
     if found is None:
         return "none"
-    return f"{', '.join(found.names)} ({'exact' if parameters.exact else 'soft'})"
+    how = "exact" if parameters.exact else "soft"
+    if found.landmarks is None:
+        return f"{', '.join(found.names)} ({how})"
+    names = (f"{name} landmark {j}" for name, j in zip(found.names, found.landmarks))
+    return f"{', '.join(names)} ({how})"
 
 
 def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:

@@ -50,6 +50,7 @@ Anchors = Union[None, str, Path, Sequence[Optional[Mapping[str, Sequence[float]]
 FLAGS = (
     "align_slices",
     "all_visible",
+    "anchor_snap",
     "anisotropic_scaling",
     "area_weights",
     "close_openings",
@@ -87,6 +88,7 @@ class CorrespondenceParameters:
     anchors: Anchors = None
     anchor_sd: float = 0.0
     exact: bool = False
+    anchor_snap: bool = False
 
 
 DEFAULTS = CorrespondenceParameters()

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/anchors/snapped_map.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
@@ -70,6 +72,26 @@ TEST(ExactMap, LeavesAMapThatHoldsThemAlready) {
   EXPECT_EQ(holdExactly(map, asked.points, asked.targets, asked.names).map.positions(),
             map.positions());
   EXPECT_EQ(holdExactly(map, {}, {}, {}).map.positions(), map.positions());
+}
+
+TEST(SnappedMap, MakesPointsLandmarksEachOneOfItsOwn) {
+  const MappedSurface map = ballMap();
+  Moves asked = moves(map, 0);
+  asked.points.push_back(asked.points[0]);  // near another one: they cannot share a landmark
+  asked.points.back().weights = Vector3(0.3, 0.5, 0.2);
+  asked.names.emplace_back("anchor 6");
+  const SnappedMap snapped = snapToLandmarks(map, asked.points, asked.names);
+  EXPECT_TRUE(certify(map.faces(), snapped.map.positions()).valid());
+  const Points vertices = icosphere(snapFrequency).vertices;
+  EXPECT_NE(snapped.landmarks[0], snapped.landmarks[6]);
+  for (size_t k = 0; k < asked.points.size(); ++k) {
+    const Vector3 landmark = vertices.row(snapped.landmarks[k]).transpose();
+    EXPECT_LT((placeOf(snapped.map, asked.points[k]) - landmark).norm(), 2e-12);
+    if (k % 6 != 0) {
+      EXPECT_EQ((vertices * placeOf(map, asked.points[k])).maxCoeff(),
+                landmark.dot(placeOf(map, asked.points[k])));
+    }
+  }
 }
 
 TEST(ExactMap, NamesThoseThatChangePlacesOrLieInOne) {

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pymeshlab
 import pytest
-from documents import LOAD, PROPAGATE, ROOT, add, has_attribute, labels, layer, positions
+from documents import LOAD, PROPAGATE, REMESH, ROOT, add, has_attribute, labels, layer, positions
 from documents import small_cycle as cycle
 from surfaces import egg
 
@@ -175,6 +175,27 @@ def test_propagation_heeds_anchors_and_says_what_became_of_them():
             assert np.linalg.norm(positions(exact.mesh(i))[k] - root[k]) < 1e-12
     error = [np.linalg.norm(positions(ms.mesh(2)) - root, axis=1).mean() for ms in (without, soft)]
     assert error[1] < error[0]
+
+
+def test_anchors_become_landmarks_on_every_layer():
+    ms = turning()
+    former = positions(ms.mesh(0))
+    returned = ms.apply_filter(PROPAGATE, anchors="Exact", anchor_snap=True)
+    assert (returned["flipped_faces"] == 0).all()
+    assert not np.array_equal(positions(ms.mesh(0)), former)
+    landmarks = returned["anchor_landmark"].astype(int)
+    assert len(set(landmarks)) == 4
+    remeshed = ms.apply_filter(REMESH)
+    assert "warnings" not in remeshed  # maps of one root
+    for i in range(3):
+        points = ms.mesh(3 + i).vertex_matrix()[landmarks]
+        vertices = ms.mesh(i).vertex_matrix()
+        assert np.allclose(points, vertices[[100, 230, 400, 5]], atol=1e-9)
+    assert np.array_equal(
+        turning().apply_filter(PROPAGATE, anchors="Exact", anchor_snap=True)["anchor_landmark"],
+        returned["anchor_landmark"],
+    )
+    assert "anchor_landmark" not in turning(anchors=False).apply_filter(PROPAGATE, anchor_snap=True)
 
 
 def test_propagation_looks_beside_the_meshes_and_into_a_folder(tmp_path):

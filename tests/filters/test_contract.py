@@ -64,6 +64,7 @@ PARAMETERS = {
         "anchors": ["Off", "Soft", "Exact"],
         "anchor_files": "",
         "anchor_sd": 0.0,
+        "anchor_snap": False,
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,

@@ -18,7 +18,7 @@ FUNCTIONS = {
     sp.propagate: (
         filters.PROPAGATE,
         {"anchors", "anchor_files"},
-    ),  # of the same names, but with other values (test_anchors.py)
+    ),  # of the same names, but with other values (test_python_anchors.py)
     sp.remesh: (
         filters.REMESH,
         {"color_landmarks", "landmark_colors", "beside_surfaces"},

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -40,32 +41,47 @@ Vector3 normalTo(const Vector3& p) {
   return p.cross(std::fabs(p[2]) < 0.9 ? Vector3(0, 0, 1) : Vector3(1, 0, 0)).normalized();
 }
 
-/// A field of rotations with given velocities at given places.
+/// A point of the surface on the sphere, with what it is interpolated from.
+struct PlaceInFace {
+  Vector3 place;
+  std::array<Vector3, 3> corners;  ///< of its face
+  Vector3 weights;
+  double length = 1;  ///< of the interpolated corners
+};
+
+/// A field of rotations that moves the given places by given velocities, to first order where the
+/// corners of their faces move with it.
 class RotationField {
  public:
   /// velocities: tangent at the places.
-  RotationField(std::vector<Vector3> places, const std::vector<Vector3>& velocities, double width)
-      : places_(std::move(places)), scale_(0.5 / (width * width)) {
-    const auto count = static_cast<Eigen::Index>(places_.size());
-    Eigen::MatrixXd matrix(2 * count, 2 * count);
+  RotationField(const std::vector<PlaceInFace>& places, const std::vector<Vector3>& velocities,
+                double width)
+      : scale_(0.5 / (width * width)) {
+    const auto count = static_cast<Eigen::Index>(places.size());
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * count, 2 * count);
     Eigen::VectorXd wanted(2 * count);
     std::vector<Eigen::Matrix<double, 3, 2>> tangents;
-    for (const Vector3& p : places_) {
-      const Vector3 e = normalTo(p);
+    for (const PlaceInFace& p : places) {
+      places_.push_back(p.place);
+      const Vector3 e = normalTo(p.place);
       tangents.emplace_back();
-      tangents.back() << e, p.cross(e);
+      tangents.back() << e, p.place.cross(e);
     }
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto& ofK = tangents[static_cast<size_t>(k)];
-      const Vector3& p = places_[static_cast<size_t>(k)];
-      for (Eigen::Index j = 0; j < count; ++j)
-        matrix.block<2, 2>(2 * k, 2 * j) =
-            kernel(p, static_cast<size_t>(j)) * ofK.transpose() * tangents[static_cast<size_t>(j)];
-      // v(p) . (e x p) = w . e for e tangent at p.
-      for (int a = 0; a < 2; ++a)
-        wanted[2 * k + a] = ofK.col(a).cross(p).dot(velocities[static_cast<size_t>(k)]);
+      const PlaceInFace& p = places[static_cast<size_t>(k)];
+      // e . (w x x) = w . (x x e)
+      for (Eigen::Index corner = 0; corner < 3; ++corner) {
+        const Vector3& x = p.corners[static_cast<size_t>(corner)];
+        Eigen::Matrix<double, 3, 2> turned;
+        turned << x.cross(ofK.col(0)), x.cross(ofK.col(1));
+        turned *= p.weights[corner] / p.length;
+        for (Eigen::Index j = 0; j < count; ++j)
+          matrix.block<2, 2>(2 * k, 2 * j) += kernel(x, static_cast<size_t>(j)) *
+                                              turned.transpose() * tangents[static_cast<size_t>(j)];
+      }
+      wanted.segment<2>(2 * k) = ofK.transpose() * velocities[static_cast<size_t>(k)];
     }
-    matrix.diagonal().array() += 1e-12;
     const Eigen::VectorXd solution = matrix.partialPivLu().solve(wanted);
     for (Eigen::Index k = 0; k < count; ++k)
       turns_.emplace_back(tangents[static_cast<size_t>(k)] * solution.segment<2>(2 * k));
@@ -112,6 +128,17 @@ Vector3 placeAt(const Triangles& faces, const Points& positions, const SurfacePo
   return point.interpolate(faces, positions).normalized();
 }
 
+PlaceInFace placeWithCorners(const MappedSurface& map, const SurfacePoint& point) {
+  PlaceInFace place;
+  place.weights = point.weights;
+  for (int k = 0; k < 3; ++k)
+    place.corners[static_cast<size_t>(k)] = map.position(map.faces()(point.face, k));
+  place.place = point.interpolate(map.faces(), map.positions());
+  place.length = place.place.norm();
+  place.place /= place.length;
+  return place;
+}
+
 }  // namespace
 
 Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
@@ -147,7 +174,11 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
     std::vector<Vector3> velocities = left;
     const double share = std::min(1.0, stepPerWidth * width / most);
     for (Vector3& velocity : velocities) velocity *= share;
-    const RotationField field(places, velocities, width);
+    std::vector<PlaceInFace> withCorners;
+    withCorners.reserve(points.size());
+    for (const SurfacePoint& point : points)
+      withCorners.push_back(placeWithCorners(result.map, point));
+    const RotationField field(withCorners, velocities, width);
     Points moved = result.map.positions();
     for (auto row : moved.rowwise()) {
       const Vector3 x = row.transpose();

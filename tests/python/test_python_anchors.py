@@ -27,6 +27,17 @@ def test_anchors_hold_on_the_surfaces_that_have_them(surfaces):
     assert sp.correspond(surfaces, root=0, frequency=4).anchors is None
 
 
+def test_anchors_become_landmarks(surfaces):
+    anchors = [anchors_of(surface) for surface in surfaces]
+    for frequency in (10, 30):
+        result = sp.correspond(
+            surfaces, anchors=anchors, exact=True, anchor_snap=True, root=0, frequency=frequency
+        )
+        for points, its in zip(result.landmarks, anchors):
+            assert np.allclose(points[result.anchors.landmarks], list(its.values()), atol=1e-9)
+        assert (result.root_map.positions == result.maps[0].positions).all()
+
+
 def test_a_folder_serves_functions_and_the_command(surfaces, tmp_path):
     (tmp_path / "anchors").mkdir()
     for i, surface in enumerate(surfaces):
@@ -59,6 +70,8 @@ def test_what_is_no_anchor_is_refused(surfaces, anchors, words):
 
 
 def test_bad_choices_are_refused(surfaces):
+    with pytest.raises(sp.InputError, match="multiple of 10, not 12"):
+        sp.correspond(surfaces, anchor_snap=True, frequency=12)
     with pytest.raises(sp.InputError, match="anchor_sd must be 0 or more"):
         sp.correspond(surfaces, anchor_sd=-1)
     with pytest.raises(sp.InputError, match="exact must be True or False"):
