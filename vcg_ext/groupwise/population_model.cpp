@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
+#include "vcg_ext/base/conjugate_gradients.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_basis.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr double solvedTo = 1e-8;  // squared, in the norm that conjugate gradients make smaller
-constexpr int mostSteps = 60;      // of conjugate gradients
+constexpr ConjugateGradientParameters posteriorSolved{1e-8, 60};
 
 /// What one shape says of its coefficients.
 struct Evidence {
@@ -47,26 +46,17 @@ Eigen::VectorXd priorVariances(const PopulationPose& pose, double variance) {
   return prior;
 }
 
-/// Solves (beta H + P) c = beta h + P mu by conjugate gradients, from the c that is given. inverse:
-/// that of a similar matrix.
+/// Solves (beta H + P) c = beta h + P mu, from the c that is given. inverse: that of a similar
+/// matrix.
 void solvePosterior(const Evidence& evidence, double beta, const Eigen::MatrixXd& precision,
                     const Eigen::VectorXd& right, const Eigen::MatrixXd& inverse,
                     Eigen::VectorXd& c) {
-  const auto system = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  const auto times = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return beta * evidence.times(x) + precision * x;
   };
-  Eigen::VectorXd rest = right - system(c), step = inverse * rest, along = step;
-  double left = rest.dot(step);
-  const double enough = solvedTo * right.dot(inverse * right);
-  for (int i = 0; i < mostSteps && left > enough; ++i) {
-    const Eigen::VectorXd image = system(along);
-    const double length = left / along.dot(image);
-    c += length * along;
-    rest -= length * image;
-    step.noalias() = inverse * rest;
-    const double before = std::exchange(left, rest.dot(step));
-    along = step + left / before * along;
-  }
+  solveByConjugateGradients(
+      times, [&](const Eigen::VectorXd& rest) { return inverse * rest; }, right, c,
+      posteriorSolved);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "vcg_ext/base/conjugate_gradients.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 
@@ -21,7 +22,7 @@ constexpr MotionVariances wideVariances{1, 2, 1, 0.5}, startVariances{0.15, 0.5,
 constexpr double wideNoise = 6, temperedNoise = 12, learntNoise = 2.5;
 constexpr double varianceFloor = 0.015;
 constexpr int varianceRounds = 100, covarianceRounds = 12;
-constexpr double solved = 1e-6;      // squared, in the norm that conjugate gradients make smaller
+constexpr ConjugateGradientParameters solved{1e-6, all};
 constexpr double strainShare = 0.1;  // the evidence over-estimates strain
 constexpr double priorArcs = 16;     // what the diagonal covariance counts against the arcs
 
@@ -42,23 +43,13 @@ AffineSystem withoutLocal(const ArcEquations& e, double localVariance) {
           e.vector.tail(affine) - mixed * solved.col(affine)};
 }
 
-/// Solves (H + precision) c = h by conjugate gradients, from the c that is given. inverse: that of
-/// a similar matrix.
+/// Solves (H + precision) c = h, from the c that is given. inverse: that of a similar matrix.
 void solve(const ArcEquations& e, const Eigen::MatrixXd& precision, const Eigen::MatrixXd& inverse,
            Eigen::VectorXd& c) {
   const Eigen::MatrixXd system = e.matrix + precision;
-  Eigen::VectorXd rest = e.vector - system * c, step = inverse * rest, along = step;
-  double left = rest.dot(step);
-  const double enough = solved * e.vector.dot(inverse * e.vector);
-  for (int i = 0; i < all && left > enough; ++i) {
-    const Eigen::VectorXd image = system * along;
-    const double length = left / along.dot(image);
-    c += length * along;
-    rest -= length * image;
-    step.noalias() = inverse * rest;
-    const double before = std::exchange(left, rest.dot(step));
-    along = step + left / before * along;
-  }
+  solveByConjugateGradients([&](const Eigen::VectorXd& x) { return system * x; },
+                            [&](const Eigen::VectorXd& rest) { return inverse * rest; }, e.vector,
+                            c, solved);
 }
 
 MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "vcg_ext/base/conjugate_gradients.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
@@ -19,18 +20,17 @@ namespace {
 
 constexpr int columns = MotionBasis::columns;
 
-constexpr double rootTimes = 2;  // the root's errors, over those of another layer
+constexpr double rootTimes = 2;  // the root's errors, over those of another surface
 constexpr double firstError = 0.6, firstNoise = 5;
 constexpr double errorTimes = 10, errorOfNothing = 0.07, minError = 0.03, maxError = 0.6;
 constexpr double minNoise = 1.25, maxNoise = 10, moreResidual = 0.02;
 constexpr double stepPower = 0.7;
 constexpr double minStep = 0.05;  // of an arc, where the mean is 1
-constexpr double steady = 1e-4;   // precision of a layer beside its neighbours': keeps what no
+constexpr double steady = 1e-4;   // precision of a surface beside its neighbours': keeps what no
                                   // arc binds
-constexpr double enough = 1e-5;   // squared, in the norm that conjugate gradients make smaller
-constexpr int maxIterations = 200;
+constexpr ConjugateGradientParameters smoothedEnough{1e-5, 200};
 
-/// What a layer says, in sums over its nodes i of w_i a_i b_i^T, where a and b are rows of
+/// What a surface says, in sums over its nodes i of w_i a_i b_i^T, where a and b are rows of
 ///   b  the model's columns, B_i^T m_i
 ///   q  the root's errors, (m_i . n_i) times its factor's row
 ///   f  its own errors, in the basis that makes f f diagonal
@@ -83,8 +83,8 @@ LayerSums sumsOf(const MotionModel& model, const MotionData& data,
   return sums;
 }
 
-/// Q of the arcs: the sum of (z_t - z_s)^2 / a_st is z^T Q z. place: of each layer among the rows,
-/// -1 for the root.
+/// Q of the arcs: the sum of (z_t - z_s)^2 / a_st is z^T Q z. place: of each surface among the
+/// rows, -1 for the root.
 Eigen::MatrixXd precisionInTime(const std::vector<Arc>& arcs, const Eigen::VectorXd& steps,
                                 const std::vector<int>& place, int layers) {
   Eigen::MatrixXd q = steady * Eigen::MatrixXd::Identity(layers, layers);
@@ -101,7 +101,7 @@ Eigen::MatrixXd precisionInTime(const std::vector<Arc>& arcs, const Eigen::Vecto
   return q;
 }
 
-/// (the mean of the layers' H + mu Sigma^-1)^-1 in the eigenvectors mu of time: what conjugate
+/// (the mean of the surfaces' H + mu Sigma^-1)^-1 in the eigenvectors mu of time: what conjugate
 /// gradients are preconditioned with.
 class Preconditioner {
  public:
@@ -136,25 +136,26 @@ struct SmoothingProblem {
   Eigen::MatrixXd rootErrors;  // #N by q, for a standard deviation of 1 edge
   Points rootNormals;
   Eigen::MatrixXd inTime;  // Q
-  Eigen::MatrixXd start;   // z where it is linearised, columns by layers
+  Eigen::MatrixXd start;   // z where it is linearised, columns by surfaces
   double unit;             // of length
   ThreadPool& pool;
   int count() const { return static_cast<int>(layers.size()); }
 };
 
-/// Changes of the coefficients, columns by layers, and e's coefficients; in `unit`.
+/// Changes of the coefficients, columns by surfaces, and e's coefficients; in `unit`.
 struct Solution {
   Eigen::MatrixXd change;
   Eigen::VectorXd root;
 };
 
-/// Own errors integrated out, what a layer says of (b, q) is sums - f diag(shares) f^T, over kappa.
+/// Own errors integrated out, what a surface says of (b, q) is sums - f diag(shares) f^T, over
+/// kappa.
 Eigen::VectorXd sharesOf(const LayerSums& sums, const Noises& noises) {
   const double variance = noises.error * noises.error;
   return variance / (noises.white + variance * sums.ff.array());
 }
 
-/// The mean over layers of what they say of the coefficients.
+/// The mean over surfaces of what they say of the coefficients.
 Eigen::MatrixXd meanInformation(const SmoothingProblem& problem, const Noises& noises) {
   const std::vector<Eigen::MatrixXf> each = problem.pool.makeEach(problem.count(), [&](int t) {
     const LayerSums& s = problem.layers[static_cast<size_t>(t)].sums;
@@ -226,23 +227,13 @@ class SmoothingSystem {
     return y;
   }
 
-  /// Conjugate gradients from a change that is near.
+  /// x: a change that is near.
   Solution solve(const Preconditioner& preconditioner, Eigen::MatrixXd x) const {
     const auto like = [&](const Eigen::MatrixXd& y) {
       return preconditioner.applied(y, firstNoise / noises_.white);
     };
-    Eigen::MatrixXd rest = right_ - times(x), step = like(rest), along = step;
-    double left = rest.cwiseProduct(step).sum();
-    const double stop = enough * right_.cwiseProduct(like(right_)).sum();
-    for (int i = 0; i < maxIterations && left > stop; ++i) {
-      const Eigen::MatrixXd image = times(along);
-      const double length = left / along.cwiseProduct(image).sum();
-      x += length * along;
-      rest -= length * image;
-      step = like(rest);
-      const double before = std::exchange(left, rest.cwiseProduct(step).sum());
-      along = step + left / before * along;
-    }
+    solveByConjugateGradients([&](const Eigen::MatrixXd& y) { return times(y); }, like, right_, x,
+                              smoothedEnough);
     Eigen::VectorXd right = rootRight_;
     for (int t = 0; t < problem_.count(); ++t)
       right -=
@@ -261,7 +252,7 @@ class SmoothingSystem {
   Eigen::LLT<Eigen::MatrixXd> rootFactor_;
 };
 
-/// The mean over layers of the median distance of nodes from their surface, in `unit`.
+/// The mean over surfaces of the median distance of the nodes from each, in `unit`.
 double medianDistanceOf(const SmoothingProblem& problem, const Solution& solution, double error) {
   const Eigen::VectorXd root = rootTimes * error * (problem.rootErrors * solution.root);
   std::vector<double> medians(problem.layers.size());
