@@ -155,7 +155,7 @@ class PropagationFilter : public host::Filter {
     PropagationTree tree;
     const bool mirrors = task.values.flag("mirror_layers");
     std::vector<std::optional<double>> mirrorPlanes;
-    std::vector<LayerSide> sides;
+    std::vector<SurfaceSide> sides;
     {
       ThreadPool pool(asked.threads);
       ReflectedSequence reflected =
@@ -380,7 +380,7 @@ class PropagationFilter : public host::Filter {
 
   /// What was found of left and right, besides what was reflected.
   static void warnOfSides(const host::Task& task, const Participants& participants,
-                          const std::vector<LayerSide>& sides, bool mirrors) {
+                          const std::vector<SurfaceSide>& sides, bool mirrors) {
     size_t mirrored = 0;
     std::vector<std::string> inDoubt;
     for (size_t i = 0; i < sides.size(); ++i) {
@@ -402,7 +402,7 @@ class PropagationFilter : public host::Filter {
                           const std::vector<PropagatedLayer>& propagated) {
     std::map<std::pair<bool, double>, std::vector<size_t>> kinds;  // larger, units
     for (size_t i = 0; i < propagated.size(); ++i)
-      if (const LayerSize& size = propagated[i].size; size.standsOut)
+      if (const SurfaceSize& size = propagated[i].size; size.standsOut)
         kinds[{size.relative > 1, size.units}].push_back(i);
     for (const auto& [kind, layers] : kinds) {
       const bool half = 2 * layers.size() == propagated.size() && layers.size() > 1;
@@ -423,7 +423,7 @@ class PropagationFilter : public host::Filter {
     }
   }
 
-  static void warnOfSize(const host::Task& task, const host::Layer& layer, const LayerSize& size,
+  static void warnOfSize(const host::Task& task, const host::Layer& layer, const SurfaceSize& size,
                          bool ofTwo) {
     const bool larger = size.relative > 1;
     const double factor = larger ? size.relative : 1 / size.relative;

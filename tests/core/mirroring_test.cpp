@@ -42,7 +42,7 @@ std::vector<ClosedSurface> sides(const std::string& text) {
 
 std::string found(const std::string& text, const PropagationTree& tree) {
   std::string answer;
-  for (const LayerSide& side : findSides(sides(text), tree, pool))
+  for (const SurfaceSide& side : findSides(sides(text), tree, pool))
     answer += side.mirrored ? 'm' : side.known ? '-' : '?';
   return answer;
 }
@@ -82,7 +82,7 @@ TEST(Mirroring, AMirroredLayerMayLieElsewhere) {
   for (const size_t i : {2, 3})
     surfaces[i] = surfaceOf(test::transformed({surfaces[i].vertices(), surfaces[i].faces()},
                                               test::randomRotation(i), 1, Vector3(300, -20, 40)));
-  const std::vector<LayerSide> found = findSides(surfaces, timeOrder(5, 0), pool);
+  const std::vector<SurfaceSide> found = findSides(surfaces, timeOrder(5, 0), pool);
   for (size_t i = 0; i < 5; ++i) EXPECT_EQ(found[i].mirrored, i == 2) << i;
 }
 
@@ -95,7 +95,7 @@ TEST(Mirroring, WhatIsItsOwnMirrorImageIsNotKnown) {
     surfaces.push_back(surfaceOf(mesh));
   }
   for (const PropagationTree& tree : {timeOrder(5, 0), star(5, 2)}) {
-    const std::vector<LayerSide> sides = findSides(surfaces, tree, pool);
+    const std::vector<SurfaceSide> sides = findSides(surfaces, tree, pool);
     for (size_t i = 0; i < 5; ++i) {
       EXPECT_FALSE(sides[i].mirrored || sides[i].inDoubt) << i;
       EXPECT_EQ(sides[i].known, static_cast<int>(i) == tree.root()) << i;
@@ -140,7 +140,7 @@ Eigen::MatrixXd evidenceOf(int count, const std::vector<double>& below) {
 
 std::string decided(const Eigen::MatrixXd& evidence) {
   std::string answer;
-  for (const LayerSide& side : sidesFromEvidence(evidence, 0))
+  for (const SurfaceSide& side : sidesFromEvidence(evidence, 0))
     answer += side.mirrored ? 'm' : side.known ? '-' : side.inDoubt ? '!' : '?';
   return answer;
 }

@@ -21,7 +21,7 @@ struct MeshSurface {
   std::vector<int> meshVertex;  ///< #V: index into mesh.vert of each vertex of the surface
 };
 
-/// A layer's matrix for surfaceFromMesh.
+/// A mesh's matrix for surfaceFromMesh.
 template <class Scalar>
 Eigen::Matrix4d matrixFromVcg(const vcg::Matrix44<Scalar>& matrix) {
   Eigen::Matrix4d result;
@@ -40,7 +40,7 @@ struct MeshContent {
 
 /// Deleted elements left out, the matrix applied.
 ///
-/// transform: an affine matrix, which maps mesh.vert[i].P() to where the layer is seen (its last
+/// transform: an affine matrix, which maps mesh.vert[i].P() to where the mesh is seen (its last
 /// row is taken as 0 0 0 1). One that mirrors (negative determinant) would turn the surface inside
 /// out: its faces are then reversed (corners 1 and 2 exchanged), so that what was outward stays
 /// outward.
@@ -78,7 +78,7 @@ MeshContent contentOfMesh(const MeshType& mesh,
 }
 
 /// The closed surface that a mesh stands for; transform as above. name: what errors call the
-/// surface (the layer's label). Throws SurfaceError as ClosedSurface does. Indices in its text
+/// surface (the mesh's label). Throws SurfaceError as ClosedSurface does. Indices in its text
 /// count the elements that are not deleted.
 template <class MeshType>
 MeshSurface surfaceFromMesh(const MeshType& mesh,

@@ -13,7 +13,7 @@ namespace sphere_propagation {
 class TrainingSet {
  public:
   struct Shape {
-    std::string name;  ///< what errors call it: the layer's label
+    std::string name;  ///< what errors call it
     Points landmarks;  ///< #N by 3
   };
 

@@ -35,11 +35,11 @@ void requireFit(const Sequence& sequence, const MappedSurface& root, const Propa
   root.of(sequence.surface(tree.root()));  // throws where the map is another surface's
 }
 
-/// Of layers that have a map like the others' the residual, in radii, is at most 2.5 times as large
-/// as theirs; with one that a bad arc stretches (skulls of twelve species), 4.5 times.
+/// Of surfaces that have a map like the others' the residual, in radii, is at most 2.5 times as
+/// large as theirs; with one that a bad arc stretches (skulls of twelve species), 4.5 times.
 constexpr double muchFarther = 3, deviationsFarther = 6, edgesFarther = 0.5;
 
-/// The root's anchors on all layers.
+/// The root's anchors on all surfaces.
 AnchorPlaces placesOf(const AnchorParameters& anchors, const Sequence& sequence, int root) {
   AnchorPlaces places;
   if (anchors.use == AnchorUse::Off || anchors.layers.empty()) return places;
@@ -66,7 +66,7 @@ std::vector<Vector3> placesOnSphere(const MappedSurface& root,
   return places;
 }
 
-/// Moves the map of a layer until it holds its anchors.
+/// Moves the map of a surface until it holds its anchors.
 void holdAnchors(PropagatedLayer& layer, const std::vector<size_t>& there,
                  const std::vector<SurfacePoint>& points, const std::vector<Vector3>& places,
                  const std::vector<std::string>& names) {
@@ -83,7 +83,7 @@ void holdAnchors(PropagatedLayer& layer, const std::vector<size_t>& there,
   layer.transferred.repairedFaces += exact.untangledFaces;
 }
 
-/// How far each anchor lies from what the layer's map has at the root's place.
+/// How far each anchor lies from what the surface's map has at the root's place.
 void measureAnchors(PropagatedLayer& layer, const std::vector<size_t>& there,
                     const std::vector<SurfacePoint>& points, const std::vector<Vector3>& places) {
   const std::vector<double> unknown(places.size(), std::nan(""));
@@ -142,7 +142,7 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
   requireFit(sequence, root, tree, parameters.closing);
   const bool restores = parameters.areaRestoration > 0;
   ThreadPool pool(parameters.threads);
-  const std::vector<LayerSize> sizes = findLayerSizes(sequence, tree);
+  const std::vector<SurfaceSize> sizes = findSurfaceSizes(sequence, tree);
   const AnchorPlaces places = placesOf(parameters.anchors, sequence, tree.root());
   std::vector<double> deviations;
   for (int i = 0; i < sequence.size() && !places.empty(); ++i)

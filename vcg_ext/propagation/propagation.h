@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Propagation of a map from the root over all layers of a sequence.
+/// Propagation of a map from the root over all surfaces of a sequence.
 
 #include <memory>
 #include <optional>
@@ -26,21 +26,21 @@ enum class AnchorUse {
 
 struct AnchorParameters {
   AnchorUse use = AnchorUse::Soft;
-  /// Standard deviation of a click per coordinate, in the unit of the vertices; 0: the layer's mean
-  /// edge length.
+  /// Standard deviation of a click per coordinate, in the unit of the vertices; 0: the surface's
+  /// mean edge length.
   double deviation = 0;
-  /// One set per layer, or none at all. Those that the root lacks are not looked at.
+  /// One set per surface, or none at all. Those that the root lacks are not looked at.
   std::vector<AnchorSet> layers = {};
 };
 
 struct PropagationParameters {
   PropagationMethod method = PropagationMethod::Robust;
   PublishedParameters published = {};  ///< of method AsPublished
-  /// In [0, 1]: how far each layer's map is moved towards area preservation in the end
+  /// In [0, 1]: how far each surface's map is moved towards area preservation in the end
   /// (area_restoration.h). What goes down the tree is the map before that, and the root keeps the
   /// map that it has.
   double areaRestoration = 0;
-  /// An arc of layers that close a cycle, beside the tree: its map is compared with the one that
+  /// An arc of surfaces that close a cycle, beside the tree: its map is compared with the one that
   /// the tree brings. Where it joins the ends of the tree's two branches (closingArc), method
   /// Robust averages both ways round (motion_cycle.h).
   std::optional<Arc> closing = {};
@@ -49,19 +49,21 @@ struct PropagationParameters {
   AnchorParameters anchors = {};
 };
 
-/// Throws ParameterError where a parameter is out of range, whatever the layers.
+/// Throws ParameterError where a parameter is out of range, whatever the surfaces.
 void requireValid(const PropagationParameters& parameters);
 
-/// The layers that lie much farther off what was brought onto them than the others do, as another
+/// The surfaces that lie much farther off what was brought onto them than the others do, as another
 /// shape does: by a factor of 3 and 6 standard deviations of the logarithm (both from the median of
-/// at least three), residuals counted in radii, and by more than half an edge. One entry per layer.
+/// at least three), residuals counted in radii, and by more than half an edge. One entry per
+/// surface.
 std::vector<char> residualsThatStandOut(const Sequence& sequence,
                                         const std::vector<PropagatedLayer>& layers);
 
-/// sequence: the layers, in the order of the tree's numbers; root: the surface of the tree's root,
-/// with its map; tree: one entry per layer, of any of the orders in propagation_order.h. Throws
-/// ParameterError when the arguments do not fit together or a parameter is out of range, and what
-/// the method throws, which names the layer; with exact anchors, AnchorError as holdExactly does.
+/// sequence: the surfaces, in the order of the tree's numbers; root: the surface of the tree's
+/// root, with its map; tree: one entry per surface, of any of the orders in propagation_order.h.
+/// Throws ParameterError when the arguments do not fit together or a parameter is out of range, and
+/// what the method throws, which names the surface; with exact anchors, AnchorError as holdExactly
+/// does.
 Propagation propagate(const Sequence& sequence, const MappedSurface& root,
                       const PropagationTree& tree, const PropagationParameters& parameters = {},
                       const Progress& progress = {});

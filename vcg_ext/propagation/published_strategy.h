@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Method As published: the steps of the paper, from layer to layer.
+/// Method As published: the steps of the paper, from surface to surface.
 
 #include "vcg_ext/propagation/published/published_propagation.h"
 #include "vcg_ext/propagation/strategy.h"

@@ -12,7 +12,7 @@
 namespace sphere_propagation {
 namespace {
 
-/// Of the time, where no layer is lost.
+/// Of the time, where no surface is lost.
 constexpr double followingShare = 0.95;
 
 void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
@@ -28,7 +28,7 @@ void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
   }
 }
 
-/// What stands in for a fit that lost its layer.
+/// What stands in for a fit that lost its surface.
 PropagatedLayer fromParent(const MappedSurface& parent, const ClosedSurface& target) {
   try {
     PropagatedLayer layer{propagateAligned(parent, target)};
@@ -47,7 +47,7 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   requireOneUnit(task.sequence, task.tree);
   report(progress, 0);
   const Sequence sized = inRootsSize(task.sequence, task.sizes, task.tree);
-  const std::vector<LayerPose> poses = findLayerPoses(sized, task.tree, task.pool);
+  const std::vector<SurfacePose> poses = findSurfacePoses(sized, task.tree, task.pool);
   const Sequence laid = laidInRootsFrame(sized, poses);
   std::vector<double> deviations = task.anchorDeviations;
   for (size_t i = 0; i < deviations.size(); ++i)
@@ -78,7 +78,7 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
     result.closing = overClosingArc(task, result.layers, [&](const MappedSurface& from, int to) {
       return fromParent(from, laid.surface(to)).map();
     });
-  // The maps are of the layers as they lie, and so are lengths.
+  // The maps are of the surfaces as they lie, and so are lengths.
   for (int i = 0; i < task.sequence.size(); ++i) {
     const auto k = static_cast<size_t>(i);
     TransferredMap& transferred = result.layers[k].transferred;

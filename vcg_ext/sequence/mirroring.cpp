@@ -7,7 +7,7 @@
 
 #include "vcg_ext/registration/chirality.h"
 #include "vcg_ext/registration/shape_alignment.h"
-#include "vcg_ext/sequence/layer_sizes.h"
+#include "vcg_ext/sequence/surface_sizes.h"
 
 namespace sphere_propagation {
 namespace {
@@ -210,10 +210,10 @@ ClosedSurface mirrorImage(const ClosedSurface& surface, double plane) {
   return {std::move(vertices), std::move(faces), surface.name()};
 }
 
-std::vector<LayerSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed) {
+std::vector<SurfaceSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed) {
   const Sides all(evidence, fixed);
   const Sides::Best best = all.best();
-  std::vector<LayerSide> sides(best.sides.size());
+  std::vector<SurfaceSide> sides(best.sides.size());
   Sides::Choice unreflected = best.sides;  // what is not known taken for right
   for (size_t i = 0; i < sides.size(); ++i) {
     sides[i].known = best.loss[i] >= certain;
@@ -221,14 +221,14 @@ std::vector<LayerSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fi
     if (!sides[i].known) unreflected[i] = 1;
   }
   const bool mixed = all.worthOf(best.sides) - all.worthOf(unreflected) >= certain;
-  for (LayerSide& side : sides) side.inDoubt = mixed && !side.known;
+  for (SurfaceSide& side : sides) side.inDoubt = mixed && !side.known;
   return sides;
 }
 
-std::vector<LayerSide> findSides(const Sequence& sequence, const PropagationTree& tree,
-                                 ThreadPool& pool) {
+std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
+                                   ThreadPool& pool) {
   const int count = sequence.size(), root = tree.root();
-  std::vector<LayerSide> sides(static_cast<size_t>(count));
+  std::vector<SurfaceSide> sides(static_cast<size_t>(count));
   if (count < 2) return sides;
   sequence.prepare(pool);
   const PreparedSurface& first = sequence[root];
@@ -269,7 +269,7 @@ std::vector<LayerSide> findSides(const Sequence& sequence, const PropagationTree
       }
     }
     const bool allKnown =
-        std::all_of(sides.begin(), sides.end(), [](const LayerSide& side) { return side.known; });
+        std::all_of(sides.begin(), sides.end(), [](const SurfaceSide& side) { return side.known; });
     if (allKnown || pairs.empty()) return sides;
   }
 }
@@ -278,7 +278,8 @@ ReflectedSequence reflectMirrorImages(const Sequence& sequence, const Propagatio
                                       int root, ThreadPool& pool, bool reflects) {
   ReflectedSequence result{sequence, {}, makeTree(order, sequence, root, pool), {}};
   result.planes.resize(static_cast<size_t>(sequence.size()));
-  const Sequence sized = inRootsSize(sequence, findLayerSizes(sequence, result.tree), result.tree);
+  const Sequence sized =
+      inRootsSize(sequence, findSurfaceSizes(sequence, result.tree), result.tree);
   result.sides = findSides(sized, result.tree, pool);
   if (!reflects) return result;
   bool found = false;

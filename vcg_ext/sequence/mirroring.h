@@ -20,7 +20,7 @@ namespace sphere_propagation {
 /// faces stay.
 ClosedSurface mirrorImage(const ClosedSurface& surface, double plane = 0);
 
-struct LayerSide {
+struct SurfaceSide {
   bool mirrored = false;  ///< certainly the mirror image of the root's kind
   bool known = false;     ///< whether it is certain, either way
   bool inDoubt = false;  ///< one of those that are certainly not all on one side, but which of them
@@ -40,22 +40,22 @@ struct LayerSide {
 /// six. So a shape that is nearly its own mirror image, as skulls are, stays, and so do all where
 /// mirrored surfaces are about as many as others that the root tells nothing about.
 ///
-/// sequence: of one size (layer_sizes.h); tree: one entry per surface.
-std::vector<LayerSide> findSides(const Sequence& sequence, const PropagationTree& tree,
-                                 ThreadPool& pool);
+/// sequence: of one size (surface_sizes.h); tree: one entry per surface.
+std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
+                                   ThreadPool& pool);
 
 /// The sides that this evidence speaks for: #surfaces by #surfaces, symmetric, positive where two
 /// are alike. fixed: the surface that is on the right side.
-std::vector<LayerSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed);
+std::vector<SurfaceSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed);
 
 struct ReflectedSequence {
   Sequence sequence;                          ///< with the mirrored surfaces reflected
   std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
   PropagationTree tree;                       ///< of the order, for the sequence as it is now
-  std::vector<LayerSide> sides;               ///< as they were found
+  std::vector<SurfaceSide> sides;             ///< as they were found
 };
 
-/// Finds the sides of the surfaces (as large as the others: layer_sizes.h). Reflected are, where
+/// Finds the sides of the surfaces (as large as the others: surface_sizes.h). Reflected are, where
 /// `reflects` says so, those that are certainly mirrored, each across the plane x = ... through its
 /// centroid (of its area). Where the order goes by shape, the tree is made again for what they are
 /// then.

@@ -30,10 +30,10 @@ PropagationTree treeOf(std::vector<int> parent, int root) {
   return {std::move(parent), std::move(order)};
 }
 
-void requireRoot(int layers, int root) {
-  if (layers < 1) throw ParameterError(Finding(Fault::NoSurface));
-  if (root < 0 || root >= layers)
-    throw ParameterError(Finding(Fault::RootOutOfRange).of(1, root).at(root, 0, layers - 1));
+void requireRoot(int surfaces, int root) {
+  if (surfaces < 1) throw ParameterError(Finding(Fault::NoSurface));
+  if (root < 0 || root >= surfaces)
+    throw ParameterError(Finding(Fault::RootOutOfRange).of(1, root).at(root, 0, surfaces - 1));
 }
 
 }  // namespace
@@ -47,13 +47,13 @@ std::vector<int> PropagationTree::depths() const {
 
 std::vector<std::vector<int>> PropagationTree::levels() const {
   const std::vector<int> depth = depths();
-  std::vector<std::vector<int>> layers;
+  std::vector<std::vector<int>> found;
   for (size_t i = 0; i < depth.size(); ++i) {
     const auto level = static_cast<size_t>(depth[i]);
-    if (layers.size() <= level) layers.resize(level + 1);
-    layers[level].push_back(static_cast<int>(i));
+    if (found.size() <= level) found.resize(level + 1);
+    found[level].push_back(static_cast<int>(i));
   }
-  return layers;
+  return found;
 }
 
 std::vector<std::vector<int>> PropagationTree::children() const { return childrenOf(parent); }
@@ -84,34 +84,34 @@ int PropagationTree::centre() const {
   return best;
 }
 
-int defaultRoot(int layers) {
-  requireRoot(layers, 0);
-  return layers / 2;
+int defaultRoot(int surfaces) {
+  requireRoot(surfaces, 0);
+  return surfaces / 2;
 }
 
-PropagationTree timeOrder(int layers, int root) {
-  requireRoot(layers, root);
-  std::vector<int> parent(static_cast<size_t>(layers));
-  for (int i = 0; i < layers; ++i) parent[i] = i < root ? i + 1 : i - 1;
+PropagationTree timeOrder(int surfaces, int root) {
+  requireRoot(surfaces, root);
+  std::vector<int> parent(static_cast<size_t>(surfaces));
+  for (int i = 0; i < surfaces; ++i) parent[i] = i < root ? i + 1 : i - 1;
   parent[root] = -1;
   return treeOf(std::move(parent), root);
 }
 
-PropagationTree cyclicTimeOrder(int layers, int root) {
-  requireRoot(layers, root);
-  std::vector<int> parent(static_cast<size_t>(layers));
-  for (int step = 0; step < layers; ++step) {  // phases after the root, round the cycle
-    const int from = step <= layers / 2 ? step - 1 : step + 1;
-    parent[(root + step) % layers] = (root + from + layers) % layers;
+PropagationTree cyclicTimeOrder(int surfaces, int root) {
+  requireRoot(surfaces, root);
+  std::vector<int> parent(static_cast<size_t>(surfaces));
+  for (int step = 0; step < surfaces; ++step) {  // phases after the root, round the cycle
+    const int from = step <= surfaces / 2 ? step - 1 : step + 1;
+    parent[(root + step) % surfaces] = (root + from + surfaces) % surfaces;
   }
   parent[root] = -1;
   return treeOf(std::move(parent), root);
 }
 
-Arc closingArc(int layers, int root) {
-  requireRoot(layers, root);
-  const int from = (root + layers / 2) % layers;
-  return {from, (from + 1) % layers};
+Arc closingArc(int surfaces, int root) {
+  requireRoot(surfaces, root);
+  const int from = (root + surfaces / 2) % surfaces;
+  return {from, (from + 1) % surfaces};
 }
 
 std::vector<Arc> ClosedCycle::arcsBeyond(bool forwardBranch) const {
@@ -139,21 +139,23 @@ ClosedCycle closedCycle(const PropagationTree& tree, const Arc& closing) {
   return cycle;
 }
 
-PropagationTree star(int layers, int root) {
-  requireRoot(layers, root);
-  std::vector<int> parent(static_cast<size_t>(layers), root);
+PropagationTree star(int surfaces, int root) {
+  requireRoot(surfaces, root);
+  std::vector<int> parent(static_cast<size_t>(surfaces), root);
   parent[root] = -1;
   return treeOf(std::move(parent), root);
 }
 
 PropagationTree givenOrder(const std::vector<int>& parents) {
-  const int layers = static_cast<int>(parents.size());
-  requireRoot(layers, 0);
+  const int surfaces = static_cast<int>(parents.size());
+  requireRoot(surfaces, 0);
   int root = -1;
-  for (int i = 0; i < layers; ++i) {
-    if (parents[i] < -1 || parents[i] >= layers)
-      throw ParameterError(
-          Finding(Fault::ParentOutOfRange).of(1, i).amid(parents[i]).at(parents[i], 0, layers - 1));
+  for (int i = 0; i < surfaces; ++i) {
+    if (parents[i] < -1 || parents[i] >= surfaces)
+      throw ParameterError(Finding(Fault::ParentOutOfRange)
+                               .of(1, i)
+                               .amid(parents[i])
+                               .at(parents[i], 0, surfaces - 1));
     if (parents[i] != -1) continue;
     if (root >= 0) throw ParameterError(Finding(Fault::SecondRoot).of(1, i).amid(root));
     root = i;
@@ -166,7 +168,7 @@ PropagationTree givenOrder(const std::vector<int>& parents) {
   for (int i : tree.order) reached[i] = true;
   int at = 0;
   while (reached[at]) ++at;
-  for (int step = 0; step < layers; ++step) at = parents[at];  // from behind a circle into it
+  for (int step = 0; step < surfaces; ++step) at = parents[at];  // from behind a circle into it
   for (int first = at, i = parents[first]; i != first; i = parents[i]) at = std::min(at, i);
   std::string circle = std::to_string(at);
   for (int i = parents[at]; i != at; i = parents[i]) circle += " <- " + std::to_string(i);

@@ -35,22 +35,22 @@ struct Arc {
   int from = -1, to = -1;
 };
 
-/// The paper's default root, floor(layers / 2), counted from 0. layers >= 1.
-int defaultRoot(int layers);
+/// The paper's default root, floor(surfaces / 2), counted from 0. surfaces >= 1.
+int defaultRoot(int surfaces);
 
 /// Step 2 of the paper: the arcs (M_{i+1}, M_i) for i < t and (M_i, M_{i+1}) for i >= t, that is,
-/// one chain from the root t back to the first surface and one on to the last. layers: how many, >=
-/// 1; root: 0 .. layers - 1. Throws ParameterError when either is outside its range.
-PropagationTree timeOrder(int layers, int root);
+/// one chain from the root t back to the first surface and one on to the last. surfaces: how many,
+/// >= 1; root: 0 .. surfaces - 1. Throws ParameterError when either is outside its range.
+PropagationTree timeOrder(int surfaces, int root);
 
-/// The same for surfaces that form a cycle (a heart beat): from the root on through floor(layers /
-/// 2) surfaces, and back through the others, so that no chain is longer than half the cycle.
+/// The same for surfaces that form a cycle (a heart beat): from the root on through floor(surfaces
+/// / 2) surfaces, and back through the others, so that no chain is longer than half the cycle.
 /// Parameters and errors as in timeOrder.
-PropagationTree cyclicTimeOrder(int layers, int root);
+PropagationTree cyclicTimeOrder(int surfaces, int root);
 
 /// The arc that cyclicTimeOrder leaves out, where its two branches meet: from the last surface of
-/// the one that goes forward to the last of the other. layers >= 2; errors as in timeOrder.
-Arc closingArc(int layers, int root);
+/// the one that goes forward to the last of the other. surfaces >= 2; errors as in timeOrder.
+Arc closingArc(int surfaces, int root);
 
 /// A tree that an arc makes a circle, as the surfaces lie on it.
 struct ClosedCycle {
@@ -68,7 +68,7 @@ struct ClosedCycle {
 ClosedCycle closedCycle(const PropagationTree& tree, const Arc& closing);
 
 /// Every surface gets its map from the root itself. Parameters and errors as in timeOrder.
-PropagationTree star(int layers, int root);
+PropagationTree star(int surfaces, int root);
 
 /// The order that the user gives ("the order may also be given", discussion of the paper).
 /// parents: one entry per surface, the number of the surface its map comes from, -1 for the root.

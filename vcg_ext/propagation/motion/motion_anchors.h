@@ -2,10 +2,10 @@
 #pragma once
 /// Anchors in the fit of a motion: what the user says of where points of the root went.
 ///
-/// Anchor k of layer t adds
+/// Anchor k of surface t adds
 ///   (A0 / 2) |X_k + B(q_k) c_t - y_kt|^2 / sd^2
 /// to what c_t minimises (motion_fit.h), X_k the point of the root, q_k its place on the sphere,
-/// B(q_k) the basis there and y_kt the point of the layer. It says where the point is and not how
+/// B(q_k) the basis there and y_kt the point of the surface. It says where the point is and not how
 /// far it moved along the arc, so it does not drift along the tree. Where the anchors contradict
 /// the prior, the covariance of that arc is widened by the f >= 1 that explains them best: where
 ///   log det C(f) + r^T C(f)^-1 r,   C(f) = f (A0 / 2) B Sigma B^T + sd^2 1,
@@ -26,7 +26,7 @@
 
 namespace sphere_propagation {
 
-/// The anchors of one layer.
+/// The anchors of one surface.
 class LayerAnchors {
  public:
   /// rows: B, 3 K by columns; from: X, to: y, 3 K each; deviation: sd, above 0; unit: A0 / 2.
@@ -37,7 +37,7 @@ class LayerAnchors {
   const Eigen::MatrixXd& information() const { return information_; }
   /// What they add to the negative gradient at c.
   Eigen::VectorXd pull(const Eigen::VectorXd& c) const;
-  /// How much the covariance of the prior is widened on the arc from a layer of coefficients
+  /// How much the covariance of the prior is widened on the arc from a surface of coefficients
   /// before.
   double widening(const Eigen::VectorXd& before, const MotionPrior& prior) const;
   /// The step from there that fits prior and anchors alone.
@@ -65,17 +65,17 @@ class LayerAnchors {
   double weight_, deviation_, unit_;
 };
 
-/// Those of all layers.
+/// Those of all surfaces.
 class MotionAnchors {
  public:
   MotionAnchors() = default;
-  /// places: on the layers of the sequence; root: its number, and its map. deviations: sd of each
-  /// layer.
+  /// places: on the surfaces of the sequence; root: its number, and its map. deviations: sd of each
+  /// surface.
   MotionAnchors(const MotionModel& model, const Sequence& sequence, int root,
                 const MappedSurface& map, const AnchorPlaces& places,
                 const std::vector<double>& deviations);
 
-  /// Nothing where the layer has none, and for the root.
+  /// Nothing where the surface has none, and for the root.
   const LayerAnchors* of(size_t layer) const {
     return layer < layers_.size() && layers_[layer] ? &*layers_[layer] : nullptr;
   }

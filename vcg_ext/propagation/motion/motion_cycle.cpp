@@ -13,7 +13,7 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
   const std::vector<Eigen::VectorXd>& brought = fit.coefficients;
   std::vector<Eigen::VectorXd> around(brought.size(), Eigen::VectorXd::Zero(MotionBasis::columns));
   pool.forEach(2, [&](int chain) {
-    // The branch's last layer that was not lost; the root never is.
+    // The branch's last surface that was not lost; the root never is.
     const size_t layers = cycle.layers.size();
     size_t place = static_cast<size_t>(cycle.forward) + (chain == 0 ? 0 : 1);
     const auto layerThere = [&] { return static_cast<size_t>(cycle.layers[place % layers]); };
@@ -21,8 +21,8 @@ std::vector<Eigen::VectorXd> fitOtherWayRound(const MotionModel& model, const Se
     Eigen::VectorXd here = brought[layerThere()];
     for (const auto& [start, end] : cycle.arcsBeyond(chain == 0)) {
       const auto from = static_cast<size_t>(start), to = static_cast<size_t>(end);
-      // It starts beside what the tree brought to the layer, as far as it was beside it before: the
-      // nodes lie on the layer then, and one iteration does.
+      // It starts beside what the tree brought to the surface, as far as it was beside it before:
+      // the nodes lie on the surface then, and one iteration does.
       if (!fit.lost[from] && !fit.lost[to]) {
         here = fitArcAgain(model, sequence[end], here, prior, brought[to] - brought[from],
                            {fit.equations[to].matrix, fit.factors[to]}, anchors.of(to));
@@ -44,19 +44,19 @@ bool agree(const MotionModel& model, const PreparedSurface& layer, const Eigen::
   return apart.rowwise().norm().mean() <= maxEdgesApart * layer.meanEdge();
 }
 
-double forwardShare(int step, int layers) { return 0.75 - 0.5 * step / layers; }
+double forwardShare(int step, int surfaces) { return 0.75 - 0.5 * step / surfaces; }
 
 std::vector<Eigen::VectorXd> averageOfBothWays(const MotionModel& model, const Sequence& sequence,
                                                const ClosedCycle& cycle,
                                                const std::vector<Eigen::VectorXd>& brought,
                                                const std::vector<Eigen::VectorXd>& otherWayRound) {
   std::vector<Eigen::VectorXd> average = brought;
-  const int layers = static_cast<int>(cycle.layers.size());
-  for (int step = 1; step < layers; ++step) {
+  const int surfaces = static_cast<int>(cycle.layers.size());
+  for (int step = 1; step < surfaces; ++step) {
     const auto t = static_cast<size_t>(cycle.layers[static_cast<size_t>(step)]);
     if (!agree(model, sequence[static_cast<int>(t)], otherWayRound[t], brought[t])) continue;
     const Eigen::VectorXd apart = otherWayRound[t] - brought[t];
-    const double forward = forwardShare(step, layers);
+    const double forward = forwardShare(step, surfaces);
     average[t] += (step <= cycle.forward ? 1 - forward : forward) * apart;
   }
   return average;

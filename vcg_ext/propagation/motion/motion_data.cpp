@@ -12,10 +12,10 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double minAgreement =
-    0.5;                      // least dot product of a layer's face normal with the template's
+    0.5;                      // least dot product of a surface's face normal with the template's
 constexpr int coarse = 3000;  // vertices
 
-/// How many vertices a layer's noise is taken for. That of few is partly theirs, as that of large
+/// How many vertices a surface's noise is taken for. That of few is partly theirs, as that of large
 /// voxels, and partly of the shape, which is as smooth on a coarse mesh as on a fine one: the
 /// geometric mean with `coarse` stands between.
 double countedVertices(int count) {

@@ -10,7 +10,7 @@
 
 namespace sphere_propagation {
 
-/// One entry or row per node. Nodes with whose normal no face of the layer agrees have weight 0.
+/// One entry or row per node. Nodes with whose normal no face of the surface agrees have weight 0.
 struct MotionData {
   Points nodes;             ///< x_i
   Eigen::VectorXd weights;  ///< A_i w_i (A0/2) / At^2: kappa is taken for 1
@@ -20,8 +20,8 @@ struct MotionData {
   double distance = 0;      ///< mean, of the nodes with which a face agrees; NaN: none
 };
 
-/// The data term at coefficients c. nearby: for each node a face of the layer to look at first, -1
-/// where there is none; the closest ones on return.
+/// The data term at coefficients c. nearby: for each node a face of the surface to look at first,
+/// -1 where there is none; the closest ones on return.
 MotionData motionDataAt(const MotionModel& model, const PreparedSurface& target,
                         const Eigen::VectorXd& c, std::vector<int>& nearby);
 

@@ -20,7 +20,7 @@ Eigen::VectorXd pullOf(const MotionModel& model, const MotionData& data) {
   return model.basis().roughProjectAll(data.pull);
 }
 
-/// Fits layer after layer. fitOne(fit so far, s, t): the arc from layer s to layer t.
+/// Fits surface after surface. fitOne(fit so far, s, t): the arc from surface s to surface t.
 template <class Function>
 MotionFit overTree(const Sequence& sequence, const PropagationTree& tree, ThreadPool& pool,
                    const Progress& progress, const Function& fitOne) {

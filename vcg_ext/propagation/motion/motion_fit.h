@@ -2,12 +2,12 @@
 #pragma once
 /// Fitting a motion model to a sequence of surfaces, one arc of a propagation tree after the other.
 ///
-/// From layer s to layer t, c_t minimises
+/// From surface s to surface t, c_t minimises
 ///   sum_i A_i w_i (m_i . (x_i(c_t) - p_i))^2 (A0/2) / (kappa At^2)
 ///     + (c_t - c_s)^T Sigma^-1 (c_t - c_s),
-/// p_i the closest point of layer t whose face normal agrees with the template's normal, m_i the
-/// layer's normal there, w_i a robust weight, A0 and At the mean vertex areas of the moving surface
-/// and of the layer. At is the layer's area over its vertices, or over the geometric mean of their
+/// p_i the closest point of surface t whose face normal agrees with the template's normal, m_i the
+/// normal of surface t there, w_i a robust weight, A0 and At the mean vertex areas of the moving
+/// surface and of surface t. At is its area over its vertices, or over the geometric mean of their
 /// number and 3000 where it has fewer. Point to plane only: where a surface slides along itself,
 /// the prior Sigma decides. c counts in units of sqrt(A0/2), so that Sigma has no unit.
 
@@ -43,17 +43,17 @@ struct ArcFit {
 /// gone before.
 constexpr int arcIterations = 3, arcIterationsAgain = 2;
 
-/// Fits one layer: closest points, a Newton step, and again. before: the coefficients of the layer
-/// that it comes from; start: what to add to them to begin with, when H is that of the first
-/// iteration throughout, as it says how far to step, not where to; or of size 0: nothing, when H is
-/// computed at each. anchors: of the layer (motion_anchors.h); a fit without start begins with what
-/// they and the prior say. H is with them, and Sigma as they widen it.
+/// Fits one surface: closest points, a Newton step, and again. before: the coefficients of the
+/// surface that it comes from; start: what to add to them to begin with, when H is that of the
+/// first iteration throughout, as it says how far to step, not where to; or of size 0: nothing,
+/// when H is computed at each. anchors: of the surface (motion_anchors.h); a fit without start
+/// begins with what they and the prior say. H is with them, and Sigma as they widen it.
 ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
               const Eigen::VectorXd& before, const MotionPrior& prior,
               const Eigen::VectorXd& start = {}, int iterations = arcIterations,
               const LayerAnchors* anchors = nullptr);
 
-/// What a fit to a layer leaves for another one to the same layer with the same prior.
+/// What a fit to a surface leaves for another one to the same surface with the same prior.
 struct ArcSystem {
   const Eigen::MatrixXd& matrix;              ///< H
   const Eigen::LLT<Eigen::MatrixXd>& factor;  ///< of H + Sigma^-1
@@ -65,28 +65,30 @@ Eigen::VectorXd fitArcAgain(const MotionModel& model, const PreparedSurface& tar
                             const Eigen::VectorXd& start, const ArcSystem& system,
                             const LayerAnchors* anchors = nullptr);
 
-/// What lies farther apart than this, in mean edge lengths of the layer and on average, does not
-/// belong together: a fit that leaves its nodes farther off has lost the layer, and so has one that
-/// leaves the layer's vertices farther off; two motions that differ by more are not averaged.
+/// What lies farther apart than this, in mean edge lengths of the surface and on average, does not
+/// belong together: a fit that leaves its nodes farther off has lost the surface, and so has one
+/// that leaves the surface's vertices farther off; two motions that differ by more are not
+/// averaged.
 constexpr double maxEdgesApart = 2;
 
 struct MotionFit {
-  std::vector<Eigen::VectorXd> coefficients;         ///< of each layer; zero at the root
-  std::vector<ArcEquations> equations;               ///< of each layer; empty at the root
+  std::vector<Eigen::VectorXd> coefficients;         ///< of each surface; zero at the root
+  std::vector<ArcEquations> equations;               ///< of each surface; empty at the root
   std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;  ///< of H + Sigma^-1; empty at the root
-  /// Of each layer, whether the fit lost it (maxEdgesApart). The layers behind it come from the
+  /// Of each surface, whether the fit lost it (maxEdgesApart). The surfaces behind it come from the
   /// nearest one up the tree that is not lost.
   std::vector<char> lost;
 };
 
-/// Fits all layers of a tree. sequence: the layers; tree: with the moving surface as root. pool:
-/// who does the work; layers equally far from the root are fitted at once, with the same result.
+/// Fits all surfaces of a tree. sequence: the surfaces; tree: with the moving surface as root.
+/// pool: who does the work; surfaces equally far from the root are fitted at once, with the same
+/// result.
 MotionFit fitMotion(const MotionModel& model, const Sequence& sequence, const PropagationTree& tree,
                     const MotionPrior& prior, ThreadPool& pool, const Progress& progress = {},
                     const MotionAnchors& anchors = {});
 
-/// The same where the layers were fitted with another prior: each arc starts with the step that it
-/// took there, so two iterations do. earlier: the coefficients of that fit.
+/// The same where the surfaces were fitted with another prior: each arc starts with the step that
+/// it took there, so two iterations do. earlier: the coefficients of that fit.
 MotionFit refitMotion(const MotionModel& model, const Sequence& sequence,
                       const PropagationTree& tree, const MotionPrior& prior,
                       const std::vector<Eigen::VectorXd>& earlier, ThreadPool& pool,

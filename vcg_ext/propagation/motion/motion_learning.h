@@ -25,7 +25,7 @@ struct LearntPrior {
 /// covariance: (1) a fit with a wide prior; (2) expectation-maximisation of the three affine
 /// variances over its arcs, the local coefficients integrated out and the noise tempered; (3) of
 /// the full covariance, drawn towards (2), where what an arc leaves uncertain is taken from the
-/// mean of all arcs' equations. For a dozen layers or more, in whatever order: also where it is
+/// mean of all arcs' equations. For a dozen surfaces or more, in whatever order: also where it is
 /// none in time, what is learnt is better than the fixed prior, or as good (measured in
 /// docs/propagation_robust.md).
 LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,

@@ -16,8 +16,8 @@
 namespace sphere_propagation {
 namespace {
 
-/// The map of a layer read off the moved root; empty where the fit lost the layer. order: of the
-/// root's faces in a locator.
+/// The map of a surface read off the moved root; empty where the fit lost the surface. order: of
+/// the root's faces in a locator.
 std::optional<TransferredMap> readMap(const MappedSurface& root, const std::vector<int>& order,
                                       const Points& moved, const PreparedSurface& layer) {
   try {
@@ -37,7 +37,7 @@ bool isPath(const PropagationTree& tree) {
   return true;
 }
 
-/// The arcs between layers that the fit did not lose, the one that closes a cycle among them.
+/// The arcs between surfaces that the fit did not lose, the one that closes a cycle among them.
 std::vector<Arc> arcsOf(const PropagationTree& tree, const ClosedCycle& cycle,
                         const std::vector<char>& lost) {
   const auto nearest = [&](int layer) {

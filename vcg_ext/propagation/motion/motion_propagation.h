@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #pragma once
-/// Propagation by following the root's motion through all layers, instead of handing its map from
-/// layer to layer.
+/// Propagation by following the root's motion through all surfaces, instead of handing its map from
+/// surface to surface.
 ///
-/// The root's surface is moved onto each layer by a low-rank motion model (motion_model.h) that is
-/// fitted along the tree (motion_fit.h), and the layer's map is read off the moved root
+/// The root's surface is moved onto each surface by a low-rank motion model (motion_model.h) that
+/// is fitted along the tree (motion_fit.h), and the surface's map is read off the moved root
 /// (map_transfer.h). Nothing is resampled on the way, so nothing is lost but what the fits lose;
 /// and what surfaces cannot show, how they slide along themselves, is decided by a prior that is
 /// learnt from the sequence where it is long enough (motion_learning.h). Where that is so and the
-/// tree is a chain, or makes a cycle with the closing arc, all layers are then fitted at once
+/// tree is a chain, or makes a cycle with the closing arc, all surfaces are then fitted at once
 /// (motion_smoothing.h).
 
 #include <optional>
@@ -29,7 +29,7 @@ struct MotionParameters {
   /// The fewest arcs that a prior is learnt from, whatever the order; with fewer it is the fixed
   /// one (motion_prior.h).
   int minArcsToLearnFrom = 11;
-  /// Whether all layers of a chain are fitted at once in the end (motion_smoothing.h), where the
+  /// Whether all surfaces of a chain are fitted at once in the end (motion_smoothing.h), where the
   /// prior was learnt. Off: arc by arc alone, for comparison.
   bool smooths = true;
 };
@@ -39,33 +39,32 @@ struct FollowedLayer {
   double seconds = 0;  ///< wall clock: its reading, and its share of the fits
 };
 
-/// Two maps of the layer where a closing arc ends.
+/// Two maps of the surface where a closing arc ends.
 struct ClosingMaps {
   MappedSurface carried;  ///< that the arc carries there
   MappedSurface brought;  ///< that the tree brings there, neither averaged nor smoothed
 };
 
 struct FollowedMotion {
-  /// One entry per layer; empty at the root, and at layers that the fit lost: its residual is too
-  /// large (maxEdgesApart), or its map cannot be repaired. In a cycle, only where both ways round
-  /// are lost.
+  /// One entry per surface; empty at the root, and at surfaces that the fit lost: its residual is
+  /// too large (maxEdgesApart), or its map cannot be repaired. In a cycle, only where both ways
+  /// round are lost.
   std::vector<std::optional<FollowedLayer>> layers;
-  /// Of each layer, where there are anchors: all but `after`.
+  /// Of each surface, where there are anchors: all but `after`.
   std::vector<AnchorFigures> anchors;
   std::optional<MotionVariances> learnt;  ///< where a prior was learnt
   std::optional<ClosingMaps> closing;     ///< empty where one of them is lost
-  int averaged = 0;  ///< layers where both ways round a cycle agree, and are averaged
+  int averaged = 0;  ///< surfaces where both ways round a cycle agree, and are averaged
   int smoothed =
-      0;  ///< layers whose motion was fitted to all of a chain at once; not in `averaged`
+      0;  ///< surfaces whose motion was fitted to all of a chain at once; not in `averaged`
 };
 
-/// sequence: the layers, in one frame; root: the map of the tree's root among them; tree: one entry
-/// per layer; pool: who does the work, with the same result whatever the number of threads;
-/// closing: an arc beside the tree. Where the two make a cycle of all layers, each layer's motion
-/// is, before that, the average of both ways round (motion_cycle.h), and what one way loses comes
-/// the other way.
-/// anchors: on the layers; deviations: sd of those of each layer (motion_anchors.h). With anchors,
-/// nothing is smoothed.
+/// sequence: the surfaces, in one frame; root: the map of the tree's root among them; tree: one
+/// entry per surface; pool: who does the work, with the same result whatever the number of threads;
+/// closing: an arc beside the tree. Where the two make a cycle of all surfaces, each surface's
+/// motion is, before that, the average of both ways round (motion_cycle.h), and what one way loses
+/// comes the other way. anchors: on the surfaces; deviations: sd of those of each surface
+/// (motion_anchors.h). With anchors, nothing is smoothed.
 FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
                             const PropagationTree& tree, ThreadPool& pool,
                             const Progress& progress = {}, const std::optional<Arc>& closing = {},

@@ -8,7 +8,7 @@
 
 namespace sphere_propagation {
 
-/// A vertex of a layer and the vertex of its reference that it corresponds to.
+/// A vertex of a surface and the vertex of its reference that it corresponds to.
 struct VertexPair {
   int target;
   int reference;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/sequence/layer_sizes.h"
+#include "vcg_ext/sequence/surface_sizes.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ Sequence spheres(const std::vector<double>& radii, const std::vector<double>& fa
 }
 
 std::vector<int> standingOut(const std::vector<double>& radii, const PropagationTree& tree) {
-  const std::vector<LayerSize> sizes = findLayerSizes(spheres(radii), tree);
+  const std::vector<SurfaceSize> sizes = findSurfaceSizes(spheres(radii), tree);
   std::vector<int> found;
   for (size_t i = 0; i < sizes.size(); ++i)
     if (sizes[i].standsOut) found.push_back(static_cast<int>(i));
@@ -41,7 +41,7 @@ std::vector<double> beating(int phases) {
 
 using List = std::vector<int>;
 
-TEST(LayerSizes, WhatBeatsOrDiffersAsSpeciesDoStandsOutNowhere) {
+TEST(SurfaceSizes, WhatBeatsOrDiffersAsSpeciesDoStandsOutNowhere) {
   for (int phases = 2; phases <= 25; ++phases)
     for (const PropagationTree& tree : {timeOrder(phases, 0), cyclicTimeOrder(phases, 0),
                                         star(phases, 0), star(phases, phases / 2)})
@@ -53,7 +53,7 @@ TEST(LayerSizes, WhatBeatsOrDiffersAsSpeciesDoStandsOutNowhere) {
   EXPECT_EQ(standingOut({10.7, 6.3}, timeOrder(2, 0)), List{});
 }
 
-TEST(LayerSizes, OneInAnotherUnitStandsOutEitherWay) {
+TEST(SurfaceSizes, OneInAnotherUnitStandsOutEitherWay) {
   for (const double factor : {0.01, 1 / 25.4, 0.1, 0.25, 3.0, 5.0, 10.0, 25.4, 1000.0})
     for (const int phases : {3, 4, 6, 12, 25})
       for (int odd = 0; odd < phases; odd += phases / 3) {
@@ -65,7 +65,7 @@ TEST(LayerSizes, OneInAnotherUnitStandsOutEitherWay) {
       }
 }
 
-TEST(LayerSizes, TwiceAsLargeAsTheNeighboursInTimeStandsOut) {
+TEST(SurfaceSizes, TwiceAsLargeAsTheNeighboursInTimeStandsOut) {
   std::vector<double> radii = beating(12);
   radii[6] *= 2;  // as large as end-diastole nearly
   EXPECT_EQ(standingOut(radii, timeOrder(12, 0)), List{6});
@@ -74,7 +74,7 @@ TEST(LayerSizes, TwiceAsLargeAsTheNeighboursInTimeStandsOut) {
   EXPECT_EQ(standingOut(radii, cyclicTimeOrder(12, 0)), List{0});
 }
 
-TEST(LayerSizes, SeveralOfAnotherUnitAreNotTheRule) {
+TEST(SurfaceSizes, SeveralOfAnotherUnitAreNotTheRule) {
   std::vector<double> radii = beating(8);
   for (const size_t i : {2, 3, 6}) radii[i] /= 10;
   EXPECT_EQ(standingOut(radii, timeOrder(8, 0)), (List{2, 3, 6}));
@@ -84,16 +84,16 @@ TEST(LayerSizes, SeveralOfAnotherUnitAreNotTheRule) {
   EXPECT_EQ(standingOut(radii, timeOrder(8, 2)), (List{0, 1, 4, 7}));
 }
 
-TEST(LayerSizes, OfTwoTheRootIsRight) {
+TEST(SurfaceSizes, OfTwoTheRootIsRight) {
   EXPECT_EQ(standingOut({30, 3}, timeOrder(2, 0)), List{1});
   EXPECT_EQ(standingOut({30, 3}, timeOrder(2, 1)), List{0});
 }
 
-TEST(LayerSizes, TheUnitIsThatOfTheFactor) {
+TEST(SurfaceSizes, TheUnitIsThatOfTheFactor) {
   const auto units = [](double factor) {
     std::vector<double> radii = beating(6);
     radii[2] *= factor;
-    return findLayerSizes(spheres(radii), timeOrder(6, 0))[2];
+    return findSurfaceSizes(spheres(radii), timeOrder(6, 0))[2];
   };
   EXPECT_EQ(units(0.1).units, 10);
   EXPECT_EQ(units(0.1).toOthers(), 10);
@@ -106,16 +106,16 @@ TEST(LayerSizes, TheUnitIsThatOfTheFactor) {
   EXPECT_EQ(units(1).toOthers(), 1);
 }
 
-TEST(LayerSizes, WhatStandsOutIsScaledAsAnotherUnitWouldBeOrInItsPlace) {
+TEST(SurfaceSizes, WhatStandsOutIsScaledAsAnotherUnitWouldBeOrInItsPlace) {
   const std::vector<double> radii(4, 30);
   // In cm, about the origin; twice the root, which the others are to fit.
   Sequence sequence = spheres(radii, {1, 1, 0.1, 1});
   PropagationTree tree = timeOrder(4, 0);
-  Sequence sized = inRootsSize(sequence, findLayerSizes(sequence, tree), tree);
+  Sequence sized = inRootsSize(sequence, findSurfaceSizes(sequence, tree), tree);
   EXPECT_NEAR((sized[2].centre() - Vector3(100, 0, 0)).norm(), 0, 1e-9);
   EXPECT_NEAR(sized[2].radius(), sized[0].radius(), 1e-9);
   tree = timeOrder(4, 2);
-  sized = inRootsSize(sequence, findLayerSizes(sequence, tree), tree);
+  sized = inRootsSize(sequence, findSurfaceSizes(sequence, tree), tree);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR((sized[i].centre() - Vector3(10, 0, 0)).norm(), 0, 1e-9) << i;
     EXPECT_NEAR(sized[i].radius(), sequence[2].radius(), 1e-9) << i;
@@ -123,7 +123,7 @@ TEST(LayerSizes, WhatStandsOutIsScaledAsAnotherUnitWouldBeOrInItsPlace) {
   // Three times as large where it is.
   sequence = spheres({30, 30, 90, 30});
   tree = timeOrder(4, 0);
-  sized = inRootsSize(sequence, findLayerSizes(sequence, tree), tree);
+  sized = inRootsSize(sequence, findSurfaceSizes(sequence, tree), tree);
   EXPECT_NEAR((sized[2].centre() - Vector3(100, 0, 0)).norm(), 0, 1e-9);
 }
 

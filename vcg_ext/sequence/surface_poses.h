@@ -17,7 +17,7 @@
 
 namespace sphere_propagation {
 
-struct LayerPose {
+struct SurfacePose {
   RigidMotion toRoot;  ///< lays the surface where it would lie in the root's frame; the identity
                        ///< where it lies there
   bool moved = false;  ///< whether it is in another pose than its parent
@@ -32,10 +32,10 @@ struct LayerPose {
 /// neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for where a
 /// difference of volumes alone rules that out. pool: who does the work, with the same result
 /// whatever the number of threads.
-std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const PropagationTree& tree,
-                                      ThreadPool& pool);
+std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const PropagationTree& tree,
+                                          ThreadPool& pool);
 
 /// The sequence with every surface that lies elsewhere laid where it would lie in the root's frame.
-Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<LayerPose>& poses);
+Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<SurfacePose>& poses);
 
 }  // namespace sphere_propagation

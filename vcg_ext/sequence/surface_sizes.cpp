@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/sequence/layer_sizes.h"
+#include "vcg_ext/sequence/surface_sizes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ std::vector<std::vector<int>> besideInTree(const PropagationTree& tree) {
   return beside;
 }
 
-/// The layers of another kind, by gaps and by the median.
+/// The surfaces of another kind, by gaps and by the median.
 std::vector<char> apartFromOthers(const std::vector<double>& sizes, int root) {
   const size_t count = sizes.size();
   std::vector<size_t> sorted(count);
@@ -52,8 +52,8 @@ std::vector<char> apartFromOthers(const std::vector<double>& sizes, int root) {
   return apart;
 }
 
-/// Besides, the layers that are larger, or smaller, than all beside them; the one with most beside
-/// it first, since those beside it then have one less.
+/// Besides, the surfaces that are larger, or smaller, than all beside them; the one with most
+/// beside it first, since those beside it then have one less.
 void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTree& tree,
                           std::vector<char>& odd) {
   const std::vector<std::vector<int>> beside = besideInTree(tree);
@@ -86,7 +86,7 @@ void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTre
       }
       const auto others = static_cast<size_t>(larger + smaller);
       if (others == 0 || (larger > 0 && smaller > 0)) continue;
-      // Of two layers the root is right.
+      // Of two surfaces the root is right.
       if (others == 1 && i == tree.root() && tree.size() == 2) continue;
       const bool several = others > 1;
       if (least < std::log(several ? besideSeveral : besideOne)) continue;
@@ -103,13 +103,13 @@ void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTre
 
 }  // namespace
 
-double LayerSize::toOthers() const {
+double SurfaceSize::toOthers() const {
   if (!standsOut) return 1;
   if (units == 0) return 1 / relative;
   return relative > 1 ? 1 / units : units;
 }
 
-std::vector<LayerSize> findLayerSizes(const Sequence& sequence, const PropagationTree& tree) {
+std::vector<SurfaceSize> findSurfaceSizes(const Sequence& sequence, const PropagationTree& tree) {
   std::vector<double> sizes;
   for (int i = 0; i < sequence.size(); ++i) sizes.push_back(std::log(sequence[i].radius()));
   std::vector<char> odd = apartFromOthers(sizes, tree.root());
@@ -119,7 +119,7 @@ std::vector<LayerSize> findLayerSizes(const Sequence& sequence, const Propagatio
     if (!odd[i]) right.push_back(sizes[i]);
   const double middle = right.empty() ? sizes[static_cast<size_t>(tree.root())] : medianOf(right);
   const std::vector<std::vector<int>> beside = besideInTree(tree);
-  std::vector<LayerSize> result(sizes.size());
+  std::vector<SurfaceSize> result(sizes.size());
   for (size_t i = 0; i < sizes.size(); ++i) {
     double sum = 0;
     int count = 0;
@@ -135,7 +135,7 @@ std::vector<LayerSize> findLayerSizes(const Sequence& sequence, const Propagatio
   return result;
 }
 
-Sequence inRootsSize(const Sequence& sequence, const std::vector<LayerSize>& sizes,
+Sequence inRootsSize(const Sequence& sequence, const std::vector<SurfaceSize>& sizes,
                      const PropagationTree& tree) {
   const double ofRoot = sizes[static_cast<size_t>(tree.root())].toOthers();
   Sequence sized = sequence;

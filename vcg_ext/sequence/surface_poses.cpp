@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/sequence/layer_poses.h"
+#include "vcg_ext/sequence/surface_poses.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,7 +18,7 @@ bool mayFitFarBetter(const PreparedSurface& shape, const PreparedSurface& as, do
 }
 
 struct FoundPose {
-  LayerPose pose;
+  SurfacePose pose;
   double distance;  // of the shapes, so laid
 };
 
@@ -54,10 +54,10 @@ FoundPose findPose(const PreparedSurface& shape, const PreparedSurface& as,
 
 }  // namespace
 
-std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const PropagationTree& tree,
-                                      ThreadPool& pool) {
+std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const PropagationTree& tree,
+                                          ThreadPool& pool) {
   sequence.prepare(pool);
-  std::vector<LayerPose> poses(static_cast<size_t>(sequence.size()));
+  std::vector<SurfacePose> poses(static_cast<size_t>(sequence.size()));
   const std::vector<std::vector<int>> levels = tree.levels();
   const auto find = [&](int t) {
     const int s = tree.parent[static_cast<size_t>(t)];
@@ -79,7 +79,7 @@ std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const Propagatio
       const FoundPose lies = poseAsItLies(shape, sequence[a], poses[up].toRoot);
       if (!mayFitFarBetter(shape, sequence[a], lies.distance)) found = lies;
     }
-    LayerPose& pose = poses[i];
+    SurfacePose& pose = poses[i];
     pose = found.pose;
     const Vector3& centre = shape.centre();
     pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
@@ -91,7 +91,7 @@ std::vector<LayerPose> findLayerPoses(const Sequence& sequence, const Propagatio
   return poses;
 }
 
-Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<LayerPose>& poses) {
+Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<SurfacePose>& poses) {
   Sequence laid = sequence;
   for (int i = 0; i < sequence.size(); ++i) {
     const RigidMotion& motion = poses[static_cast<size_t>(i)].toRoot;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-only
-#include "vcg_ext/sequence/layer_poses.h"
+#include "vcg_ext/sequence/surface_poses.h"
 
 #include <gtest/gtest.h>
 
@@ -43,19 +43,19 @@ ClosedSurface movedPhase(int phase) {
   return surfaceOf(test::transformed(phaseOf(phase), turn, 1, shift));
 }
 
-TEST(LayerPoses, ASequenceInOneFrameStaysAsItLies) {
+TEST(SurfacePoses, ASequenceInOneFrameStaysAsItLies) {
   for (const PropagationTree& tree : {timeOrder(6, 2), star(6, 0)})
-    for (const LayerPose& pose : findLayerPoses(sequence(6), tree, pool)) {
+    for (const SurfacePose& pose : findSurfacePoses(sequence(6), tree, pool)) {
       EXPECT_FALSE(pose.moved);
       EXPECT_EQ(pose.toRoot.rotation, Eigen::Matrix3d::Identity());
       EXPECT_EQ(pose.toRoot.translation, Vector3::Zero());
     }
 }
 
-TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
+TEST(SurfacePoses, OneLayerElsewhereIsBroughtBackAlone) {
   std::vector<ClosedSurface> surfaces = sequence(5);
   surfaces[2] = movedPhase(2);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0), pool);
+  const std::vector<SurfacePose> poses = findSurfacePoses(surfaces, timeOrder(5, 0), pool);
   for (size_t i : {0, 1, 3, 4}) EXPECT_FALSE(poses[i].moved) << i;
   EXPECT_EQ(poses[3].toRoot.rotation, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(poses[2].moved);
@@ -68,10 +68,10 @@ TEST(LayerPoses, OneLayerElsewhereIsBroughtBackAlone) {
             2);
 }
 
-TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
+TEST(SurfacePoses, LayersBehindOneThatMovedShareItsPose) {
   std::vector<ClosedSurface> surfaces = sequence(5);
   for (int i = 2; i < 5; ++i) surfaces[static_cast<size_t>(i)] = movedPhase(i);
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(5, 0), pool);
+  const std::vector<SurfacePose> poses = findSurfacePoses(surfaces, timeOrder(5, 0), pool);
   EXPECT_TRUE(poses[2].moved);
   for (size_t i : {3, 4}) {
     EXPECT_FALSE(poses[i].moved) << i;  // relative to its parent it lies as it should
@@ -79,7 +79,7 @@ TEST(LayerPoses, LayersBehindOneThatMovedShareItsPose) {
   }
 }
 
-TEST(LayerPoses, BehindALayerOfAnotherKindTheDistanceIsComparedWithTheShapeThatGaveThePose) {
+TEST(SurfacePoses, BehindALayerOfAnotherKindTheDistanceIsComparedWithTheShapeThatGaveThePose) {
   // The last layer lies as it should in the root, which is larger; the layer between them is its
   // mirror image, turned, and so fits it far better than the root does.
   const Mesh small =
@@ -89,7 +89,7 @@ TEST(LayerPoses, BehindALayerOfAnotherKindTheDistanceIsComparedWithTheShapeThatG
       surfaceOf(phaseOf(0)),
       surfaceOf(test::transformed(test::mirrored(small), aside, 1, Vector3::Zero())),
       surfaceOf(small)};
-  const std::vector<LayerPose> poses = findLayerPoses(surfaces, timeOrder(3, 0), pool);
+  const std::vector<SurfacePose> poses = findSurfacePoses(surfaces, timeOrder(3, 0), pool);
   for (size_t i : {1, 2}) EXPECT_FALSE(poses[i].moved) << i;
 }
 
