@@ -22,6 +22,7 @@ from setting import PLUGIN, given_data
 
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 ANCHORS = 6
+FAILED = []  # PyMeshLab goes on writing into the log of a project in which something failed
 
 
 def positions(mesh):
@@ -86,6 +87,7 @@ def hold(files, order, way, share, seed):
     try:
         held = project.apply_filter(PROPAGATE, order=order, anchors="Exact")
     except pymeshlab.PyMeshLabException as error:
+        FAILED.append(project)
         return str(error).strip().splitlines()[-1]
     seconds = time.process_time() - start
     worst = 0.0

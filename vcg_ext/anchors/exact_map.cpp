@@ -21,6 +21,9 @@ constexpr int mostSteps = 60, ringsWithHeld = 4;
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
+/// Within so many radians, what is interpolated from the corners of faces is aimed at: that
+/// converges quickly where faces are large, but on long ways it tears at corners that are far.
+constexpr double nearEnds = 1e-3;
 
 /// The tangent at p that leads to q along the great circle, as long as the way.
 Vector3 wayFrom(const Vector3& p, const Vector3& q) {
@@ -139,6 +142,11 @@ PlaceInFace placeWithCorners(const MappedSurface& map, const SurfacePoint& point
   return place;
 }
 
+/// Its face as small as a point.
+PlaceInFace placeAsVertex(const Vector3& place) {
+  return {place, {place, place, place}, Vector3::UnitX(), 1};
+}
+
 }  // namespace
 
 Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
@@ -176,8 +184,9 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
     for (Vector3& velocity : velocities) velocity *= share;
     std::vector<PlaceInFace> withCorners;
     withCorners.reserve(points.size());
-    for (const SurfacePoint& point : points)
-      withCorners.push_back(placeWithCorners(result.map, point));
+    for (size_t k = 0; k < points.size(); ++k)
+      withCorners.push_back(most < nearEnds ? placeWithCorners(result.map, points[k])
+                                            : placeAsVertex(places[k]));
     const RotationField field(withCorners, velocities, width);
     Points moved = result.map.positions();
     for (auto row : moved.rowwise()) {

@@ -6,10 +6,11 @@
 ///
 /// Here they need no base mesh: the map flows along v(x) = w(x) x x, w = sum_k K(x, p_k) w_k, a
 /// field of rotations about the centre with a Gaussian K of chordal width h, p_k the places of the
-/// points. The w_k are tangent at p_k and such that p_k, whose corners move with v, sets out along
-/// the great circle to its target. The flow of a smooth field folds nothing; its steps, of at most
-/// 0.15 h, are looked at one by one, and faces that flip are untangled at once, the corners of the
-/// points' faces held. h is twice the longest way, within 0.12 and 0.6.
+/// points. The w_k are tangent at p_k and such that p_k sets out along the great circle to its
+/// target; within 1e-3 radians of it, p_k as interpolated from corners that move with v. The flow
+/// of a smooth field folds nothing; its steps, of at most 0.15 h, are looked at one by one, and
+/// faces that flip are untangled at once, the corners of the points' faces held. h is twice the
+/// longest way, within 0.12 and 0.6.
 
 #include <string>
 #include <vector>

@@ -44,7 +44,7 @@ class FlippedRegion {
   }
 
   /// Frees the vertices of flipped faces and of `rings` rings around them, fewer where some vertex
-  /// would not stay. False where even without a ring none stays.
+  /// would not stay. False where even without a ring none stays, and where all are held.
   bool free(int rings) {
     for (int v : free_) index_[v] = -1;
     free_.clear();
@@ -57,7 +57,7 @@ class FlippedRegion {
     };
     for (int f : flipped_)
       for (int k = 0; k < 3; ++k) add(surface_.faces()(f, k));
-    if (free_.size() == all) return false;
+    if (free_.empty() || free_.size() == all) return false;
     for (size_t begin = 0; rings_ < rings; ++rings_) {
       const size_t end = free_.size();
       for (size_t i = begin; i < end; ++i)
