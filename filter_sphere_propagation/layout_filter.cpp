@@ -24,8 +24,9 @@ class LayoutFilter : public host::Filter {
     std::vector<std::vector<host::Layer>> groups;
     bool allAside = true;
     int count = 0;
-    for (const host::LayerKind kind : {host::LayerKind::Surface, host::LayerKind::Landmarks,
-                                       host::LayerKind::Sphere, host::LayerKind::Model}) {
+    for (const host::LayerKind kind :
+         {host::LayerKind::Surface, host::LayerKind::Landmarks, host::LayerKind::Sphere,
+          host::LayerKind::Fit, host::LayerKind::Model}) {
       std::vector<host::Layer> group;
       for (const host::Layer& layer : task.layers.visible(kind))
         if (!layer.shownBox().isEmpty()) group.push_back(layer);

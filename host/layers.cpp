@@ -121,6 +121,7 @@ bool Layer::visible() const { return mesh_->isVisible(); }
 LayerKind Layer::kind() const {
   if (isModelName(mesh_->label())) return LayerKind::Model;
   if (isAnchorsName(mesh_->label())) return LayerKind::Anchors;
+  if (mark(fitMark)) return LayerKind::Fit;
   if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
   if (frequencyOf(mesh_->cm)) return LayerKind::Landmarks;
   return LayerKind::Surface;

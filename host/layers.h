@@ -33,6 +33,10 @@ constexpr const char* rootMark = "sphere_root";
 /// On landmark layers: the fingerprint of the map that they were sampled from.
 constexpr const char* sampledMapMark = "sphere_map";
 
+/// On what the fit of a shape model made: 1. It is no landmark layer, as it is what a model
+/// expects, not what was measured.
+constexpr const char* fitMark = "model_fit";
+
 /// Which vertices are on lids, that is, made up: a scalar attribute with the number of the opening
 /// that the lid closes (from 1), 0 elsewhere. On prepared surfaces, and on landmarks of these.
 constexpr const char* lidAttribute = "lid";
@@ -58,6 +62,7 @@ enum class LayerKind {
   Sphere,     ///< its vertices all lie on the unit sphere
   Model,      ///< made by the shape model: "mean shape", "mode 1 -3 sd"
   Anchors,    ///< spheres that show anchors: "heart anchors"
+  Fit,        ///< a model fitted to a surface (fitMark)
 };
 
 /// The relative precision of the coordinates that the host's meshes hold.

@@ -41,6 +41,7 @@ from .filters import (
     remesh,
     shape_model,
 )
+from .fitting import Fit, fit
 from .model import ShapeModel
 from .model_files import read_model
 from .nifti import write_nifti
@@ -56,6 +57,7 @@ __all__ = [
     "Explorer",
     "FileError",
     "FilterError",
+    "Fit",
     "InputError",
     "LabelSurfaces",
     "Landmarks",
@@ -72,6 +74,7 @@ __all__ = [
     "correspond",
     "evaluate",
     "explore",
+    "fit",
     "make_phantom",
     "map_colors",
     "mesh_files",

@@ -18,6 +18,7 @@ from . import (
     conversion,
     explorer,
     filters,
+    fitting,
     gallery,
     jobs,
     pictures,
@@ -171,6 +172,23 @@ def _explore(options, make_progress) -> int:
     )
     output = options.output or Path(options.model).with_name("explore.html")
     print(f"{page.about}\n{page.save(output)}: open it in a browser")
+    return 0
+
+
+def _fit(options, make_progress) -> int:
+    files = fitting.fit_files(
+        options.model,
+        options.surfaces,
+        options.output,
+        print,
+        pose=options.pose,
+        alignment=options.alignment,
+        modes=options.modes,
+        local_deviation=not options.modes_only,
+    )
+    print(f"\nIn {Path(options.output).resolve()}:")
+    for what in files:
+        print(f"  {what}")
     return 0
 
 
@@ -453,6 +471,54 @@ def parser() -> argparse.ArgumentParser:
         help="of lengths (default: what landmarks.npz beside the model says, else mm)",
     )
     explore.set_defaults(action=_explore)
+
+    fit = actions.add_parser(
+        "fit",
+        help="a shape model onto new surfaces: their shape, its certainty, how unusual it is",
+        description="Fits a shape model to surfaces that it was not built from, closed or open, "
+        "whole or a part.",
+        **_examples(
+            ("sphere-propagation fit results/heart/model.npz new.ply", "one patient"),
+            ("sphere-propagation fit model.npz patients -o fits", "a folder of them"),
+        ),
+    )
+    fit.add_argument("model", metavar="MODEL", help="model.npz, as `run` leaves it")
+    fit.add_argument("surfaces", nargs="+", metavar="FILE", help="meshes, or folders of them")
+    fit.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        default="fit",
+        help="where the results go (default: %(default)s)",
+    )
+    fit.add_argument(
+        "--pose",
+        choices=["search", "as-it-lies"],
+        type=str.lower,
+        default="search",
+        help="where the model is to begin: anywhere, or in its own frame (default: %(default)s)",
+    )
+    fit.add_argument(
+        "--alignment",
+        choices=["as-the-model", "rigid", "similarity"],
+        type=str.lower,
+        default="as-the-model",
+        help="whether size is sought, too (similarity); by default where the model was built "
+        "without size",
+    )
+    fit.add_argument(
+        "--modes",
+        type=_number(int, 0),
+        default=0,
+        metavar="N",
+        help="how many of the first, 0 for all (default: %(default)s)",
+    )
+    fit.add_argument(
+        "--modes-only",
+        action="store_true",
+        help="shapes have nothing beside the modes: no local deformation",
+    )
+    fit.set_defaults(action=_fit)
 
     info = actions.add_parser(
         "info",

@@ -23,6 +23,7 @@ COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PREPARE = "apply_surface_preparation"
 MODEL = "compute_statistical_shape_model"
 LAYOUT = "apply_layers_side_by_side"
+FIT = "compute_shape_model_fit"  # needs a file, so it is none of those that run as they come
 FILTERS = [
     PHANTOM,
     PREPARE,

@@ -42,11 +42,12 @@ FILTERS = {  # menu entry -> menus that show it
         "Quality Measure and Computations",
     },
     "Build statistical shape model": {"Mesh Layer", "Quality Measure and Computations"},
+    "Fit shape model": {"Mesh Layer"},
     "Prepare surface": {"Cleaning and Repairing"},
     "Load anchors": {"Mesh Layer"},
     "Lay layers side by side": {"Mesh Layer"},
 }
-ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-3]
+ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-4]
 PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
 IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"

@@ -15,6 +15,8 @@ RigidMotion about(const PreparedSurface& from, const PreparedSurface& to,
   return {rotation, to.centre() - rotation * from.centre()};
 }
 
+}  // namespace
+
 std::vector<Eigen::Matrix3d> icosahedralRotations() {
   const Points corners = icosphere(1).vertices;
   const double edge = (corners.row(0) - corners.row(icosphere(1).faces(0, 1))).norm();
@@ -36,8 +38,6 @@ std::vector<Eigen::Matrix3d> icosahedralRotations() {
     }
   return rotations;
 }
-
-}  // namespace
 
 RigidMotion poseAsTurned(const PreparedSurface& from, const PreparedSurface& to) {
   return about(from, to, Eigen::Matrix3d::Identity());
@@ -66,7 +66,7 @@ std::vector<RigidMotion> posesFromAnywhere(const PreparedSurface& from, const Pr
   else
     poses.push_back(poseAsTurned(from, to));
   for (const RigidMotion& pose : posesByAxes(from, to, mirroring)) poses.push_back(pose);
-  const std::vector<Eigen::Matrix3d> turns = icosahedralRotations();  // the first is none
+  const std::vector<Eigen::Matrix3d> turns = icosahedralRotations();
   const Vector3 side(1, 1, mirroring ? -1 : 1);
   for (size_t i = 1; i < turns.size(); ++i)
     poses.push_back(

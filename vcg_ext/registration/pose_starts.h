@@ -22,6 +22,10 @@ std::vector<RigidMotion> posesByAxes(const PreparedSurface& from, const Prepared
 std::vector<RigidMotion> posesFromAnywhere(const PreparedSurface& from, const PreparedSurface& to,
                                            bool mirroring = false);
 
+/// The 60 rotations of the icosahedron onto itself, the first of which is none: no rotation is
+/// farther than 45 degrees from all of them.
+std::vector<Eigen::Matrix3d> icosahedralRotations();
+
 /// Sum of the squared distances of the moved points from the nearest vertices.
 double misfit(const Points& points, const RigidMotion& motion, const VertexLocator& vertices);
 

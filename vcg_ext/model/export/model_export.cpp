@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/model/export/formats.h"
+#include "vcg_ext/model/export/whole_file.h"
 
 namespace sphere_propagation {
 namespace {
@@ -26,25 +25,6 @@ std::string endingOf(const fs::path& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return ending;
-}
-
-/// Writes beside the file and renames: what was there stays until the new file is complete.
-void write(const fs::path& path, const std::string& content) {
-  fs::path part = path;
-  part += ".part";
-  errno = 0;
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
-  file.close();
-  std::error_code error(errno, std::generic_category());
-  if (file.good()) {
-    fs::rename(part, path, error);
-    if (!error) return;
-  }
-  std::error_code ignored;
-  fs::remove(part, ignored);
-  throw ExportError(Finding(Fault::NotWritten, path.u8string())
-                        .saying(error ? error.message() : std::string("writing failed")));
 }
 
 }  // namespace
@@ -77,11 +57,11 @@ std::vector<std::string> exportModel(const std::string& name, const ShapeModel& 
   requireExportable(name);
   const fs::path path = fs::u8path(name);
   const std::string ending = endingOf(path);
-  if (ending == ".npz") write(path, npzFile(model));
-  if (ending == ".h5") write(path, statismoFile(model));
-  if (ending == ".json") write(path, statismoJson(model));
-  if (ending == ".ply") write(path, plyFile(model));
-  if (ending == ".csv") write(path, scoresTable(model));
+  if (ending == ".npz") writeWhole(path, npzFile(model));
+  if (ending == ".h5") writeWhole(path, statismoFile(model));
+  if (ending == ".json") writeWhole(path, statismoJson(model));
+  if (ending == ".ply") writeWhole(path, plyFile(model));
+  if (ending == ".csv") writeWhole(path, scoresTable(model));
   std::vector<std::string> written = {name};
   if (ending != ".particles") return written;
   const size_t digits = std::max<size_t>(3, std::to_string(aligned.shapes().size() - 1).size());
@@ -90,10 +70,10 @@ std::vector<std::string> exportModel(const std::string& name, const ShapeModel& 
     number.insert(0, digits - number.size(), '0');
     fs::path beside = path;
     beside.replace_filename(path.stem().u8string() + "_" + number + path.extension().u8string());
-    write(beside, particlesFile(aligned.shapes()[k].landmarks));
+    writeWhole(beside, particlesFile(aligned.shapes()[k].landmarks));
     written.push_back(beside.u8string());
   }
-  write(path, particlesFile(model.mean));
+  writeWhole(path, particlesFile(model.mean));
   return written;
 }
 

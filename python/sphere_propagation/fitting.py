@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""A shape model fitted to a surface that it was not built from: the filter "Fit shape model" on
+arrays."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import layers
+from .errors import InputError
+from .files import read_meshes, write_ply
+from .model import ShapeModel
+from .model_files import read_model
+from .parameters import NAMED, path_of, whole_number
+from .results import ResultFolder
+from .sphere_map import SphereMap
+from .surface import SurfaceLike, array_of, as_surface, distinct_names
+
+FIT = "compute_shape_model_fit"
+POSES = NAMED["pose"]
+SIZES = ("As the model", "Rigid", "Similarity")
+MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean")
+
+ModelLike = Union[ShapeModel, str, Path]
+Anchors = Mapping[int, Sequence[float]]  # landmark -> x, y, z
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A shape of the model, fitted to a surface, and how certain it is.
+
+    points: (landmarks, 3), in the surface's frame; faces: (k, 3); sd: (landmarks,), the root of the
+    mean variance of each landmark's coordinates; covariance: (landmarks, 3, 3). All are those of a
+    normal distribution, given what is seen of the surface.
+    scores: along the model's modes; score_sd: their standard deviations.
+    pose: (4, 4), from the model's frame to the surface's.
+    map: of the surface, which then has landmarks of its own (remesh), like those of the model; None
+    where the surface is open or the model leaves lids out.
+    figures: surface_distance (mean distance of the surface from the fit), noise (its standard
+    deviation, robustly), deviation (1 for a shape as far from the mean as shapes are), percentile
+    (percent of the training shapes that deviate less), local_deviation, unseen (share of the
+    landmarks that no part of the surface is near to), unexplained (share of the surface that no
+    part of the model is near to), starts, seconds; with a map residual_mean, residual_p95,
+    repaired_faces.
+    """
+
+    points: np.ndarray
+    faces: np.ndarray
+    sd: np.ndarray
+    covariance: np.ndarray
+    scores: np.ndarray
+    score_sd: np.ndarray
+    pose: np.ndarray
+    map: Optional[SphereMap]
+    figures: Dict[str, float]
+
+    def __repr__(self) -> str:
+        return (
+            f"Fit({len(self.points)} landmarks, {self.figures['surface_distance']:.3g} from the "
+            f"surface, sd {self.sd.mean():.3g}, deviation {self.figures['deviation']:.3g})"
+        )
+
+
+def fit(
+    model: ModelLike,
+    surface: SurfaceLike,
+    *,
+    anchors: Optional[Anchors] = None,
+    anchor_sd: float = 0.0,
+    pose: str = "Search",
+    alignment: str = "As the model",
+    modes: int = 0,
+    local_deviation: bool = True,
+    export_file: str = "",
+    threads: int = 0,
+) -> Fit:
+    """Fits a shape model to a surface that it was not built from: closed or open, whole or a part,
+    in the model's unit, faces outside counter-clockwise.
+
+    model: a ShapeModel, or its file (.npz). surface: one, as everywhere.
+    anchors: what is known of where landmarks lie, {landmark: (x, y, z)}; anchor_sd: how far off,
+    per coordinate, 0 for the surface's mean edge.
+    pose: "Search" from anywhere, "As it lies" in the model's frame, or by "Anchors", three or more.
+    alignment: whether size is sought, as well: "Similarity", "Rigid", or "As the model", which was
+    built with or without.
+    modes: the first so many, 0 for all. local_deviation: whether shapes may differ from what the
+    modes can show. export_file: .npz, with all of the result. threads: how many work, 0 for as many
+    as the machine runs at once; the fit is the same with any number.
+
+    Warns (SpherePropagationWarning) where the model does not come near much of the surface, or the
+    shape is unlike all training shapes.
+    """
+    shapes = model if isinstance(model, ShapeModel) else read_model(model)
+    given = as_surface(surface)
+    with tempfile.TemporaryDirectory(prefix="sphere-propagation-") as folder:
+        file = Path(folder) / "model.npz"
+        np.savez(
+            file,
+            mean=np.ascontiguousarray(shapes.mean, float),
+            modes=np.ascontiguousarray(shapes.modes, float),
+            eigenvalues=np.ascontiguousarray(shapes.eigenvalues, float),
+            scores=np.ascontiguousarray(shapes.scores, float),
+            faces=np.ascontiguousarray(shapes.faces, np.int32),
+        )
+        meshes = layers.mesh_set([given])
+        returned = layers.apply(
+            meshes,
+            FIT,
+            model_file=str(file),
+            pose=pose,
+            alignment=alignment,
+            modes=modes,
+            local_deviation=local_deviation,
+            anchor_file=_anchor_file(Path(folder), anchors, len(shapes.mean)),
+            anchor_sd=anchor_sd,
+            export_file=str(path_of(export_file)) if export_file else "",
+            threads=threads,
+        )
+    fitted = meshes.mesh(meshes.mesh_number() - 1)
+    count = len(shapes.mean)
+    sphere = None
+    if "flipped_faces" in returned:
+        sphere = layers.map_of(
+            meshes.mesh(0), {name: float(returned[name]) for name in MAP_FIGURES}
+        )
+    arrays = ("scores", "score_sd", "pose", "landmark_sd", "covariance", *MAP_FIGURES)
+    return Fit(
+        fitted.vertex_matrix(),
+        np.asarray(shapes.faces, np.int32),
+        np.asarray(returned["landmark_sd"]),
+        np.reshape(returned["covariance"], (count, 3, 3)),
+        np.asarray(returned["scores"]),
+        np.asarray(returned["score_sd"]),
+        np.reshape(returned["pose"], (4, 4)),
+        sphere,
+        {
+            name: float(value)
+            for name, value in returned.items()
+            if name not in arrays and np.ndim(value) == 0 and not isinstance(value, (str, bytes))
+        },
+    )
+
+
+def fit_files(model, surfaces, folder, say: Callable[[str], None], **choices) -> List[str]:
+    """fit() for files, or folders of them: NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv
+    with a row each. choices: of fit(); words may have hyphens. Returns what lies in the folder."""
+    for key in ("pose", "alignment"):
+        words = (
+            value for value in (*POSES, *SIZES) if value.lower().replace(" ", "-") == choices[key]
+        )
+        choices[key] = next(words, choices[key])
+    shapes = read_model(model)
+    found = read_meshes(*surfaces)
+    results = ResultFolder(folder)
+    results.create()
+    names = ("surface_distance", "noise", "deviation", "percentile", "unseen", "unexplained")
+    rows = [
+        ",".join(["surface", *names, "map", *(f"score_{m + 1}" for m in range(len(shapes.modes)))])
+    ]
+    for surface, name in zip(found, distinct_names(found)):
+        got = fit(shapes, surface, **choices)
+        results.write(
+            f"{name}_fit.ply",
+            lambda path, got=got: write_ply(
+                path, got.points, got.faces, scalars={"quality": got.sd}
+            ),
+        )
+        results.write(
+            f"{name}_fit.npz",
+            lambda path, got=got: np.savez(
+                path,
+                landmarks=got.points,
+                sd=got.sd,
+                covariance=got.covariance,
+                scores=got.scores,
+                score_sd=got.score_sd,
+                pose=got.pose,
+                faces=got.faces,
+            ),
+        )
+        if got.map is not None:
+            results.write(
+                f"{name}.ply",
+                lambda path, got=got, surface=surface: write_ply(
+                    path, surface.vertices, surface.faces, texture=got.map.texture
+                ),
+            )
+        values = [*(got.figures[key] for key in names), int(got.map is not None), *got.scores]
+        rows.append(",".join([_field(name), *(f"{value:.9g}" for value in values)]))
+        say(
+            f"{name}: {got.figures['surface_distance']:.3g} from the surface, deviation "
+            f"{got.figures['deviation']:.3g}, more than {got.figures['percentile']:.0f} % of the "
+            f"training shapes{'' if got.map is None else ', map certified'}"
+        )
+    results.write("fits.csv", lambda path: path.write_text("\n".join(rows) + "\n"))
+    return [
+        "fits.csv: a row for each surface: distance, deviation, scores",
+        "*_fit.ply, *_fit.npz: the fitted shapes with the standard deviation of each landmark",
+        "the surfaces themselves, as *.ply with their maps, where they are closed",
+    ]
+
+
+def _field(text: str) -> str:
+    return f'"{text}"'.replace('"', '""')[1:-1] if '"' in text or "," in text else text
+
+
+def _anchor_file(folder: Path, anchors: Optional[Anchors], count: int) -> str:
+    """As a table of the filter's; empty where there are none."""
+    if not anchors:
+        return ""
+    if not isinstance(anchors, Mapping):
+        raise InputError(
+            f"anchors must be a dictionary, {{landmark: (x, y, z)}}, not {type(anchors).__name__}."
+        )
+    rows = ["name,x,y,z"]
+    for landmark, point in anchors.items():
+        number = whole_number("The landmark of an anchor", landmark)
+        if not 0 <= number < count:
+            raise InputError(
+                f"There is no landmark {number}: the model's are numbered from 0 to {count - 1}."
+            )
+        place = array_of(f"The place of anchor {number}", point)
+        if place.shape != (3,) or place.dtype.kind not in "fiu" or not np.isfinite(place).all():
+            raise InputError(f"The place of anchor {number} must be three numbers, not {point!r}.")
+        rows.append(",".join([str(number), *(repr(float(x)) for x in place)]))
+    file = folder / "anchors.csv"
+    file.write_text("\n".join(rows) + "\n")
+    return str(file)

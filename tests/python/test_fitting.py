@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""sp.fit and `sphere-propagation fit`: a model on a surface that it was not built from."""
+
+import csv
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+from sphere_propagation import command, fitting
+
+
+@pytest.fixture(scope="module")
+def model(cycle):
+    """Of all phases but the third."""
+    others = [i for i in range(len(cycle.landmarks)) if i != 2]
+    return sp.shape_model(cycle.landmarks[others], cycle.landmark_faces, alignment="None")
+
+
+def error(points, truth):
+    return np.linalg.norm(points - truth, axis=1).mean()
+
+
+def test_a_fit_is_near_the_landmarks_that_are_right(cycle, model):
+    surface, truth = cycle.surfaces[2], cycle.landmarks[2]
+    fit = sp.fit(model, surface, pose="as it lies")
+    assert error(fit.points, truth) < 1.0
+    assert fit.points.shape == model.mean.shape and fit.covariance.shape == (len(model.mean), 3, 3)
+    assert fit.scores.shape == fit.score_sd.shape == model.eigenvalues.shape
+    placed = fit.pose[:3, :3] @ model.shape(fit.scores).T + fit.pose[:3, 3:]
+    assert error(placed.T, fit.points) < 3 * max(fit.figures["local_deviation"], 0.1)
+    assert "162 landmarks" in repr(fit)
+    # The map gives the surface landmarks of its own.
+    assert fit.map.figures["flipped_faces"] == 0
+    own = sp.remesh([surface], [fit.map], frequency=4)
+    assert error(own.points[0], truth) < 1.0
+
+
+def test_a_file_is_a_model(cycle, tmp_path):
+    file = tmp_path / "model.npz"
+    made = sp.shape_model(
+        cycle.landmarks, cycle.landmark_faces, alignment="None", export_file=str(file)
+    )
+    a, b = (sp.fit(m, cycle.surfaces[2], pose="As it lies") for m in (made, str(file)))
+    assert np.allclose(a.points, b.points, atol=1e-9)
+
+
+def test_an_open_surface_has_no_map(cycle, model):
+    v, f = cycle.surfaces[2].vertices, cycle.surfaces[2].faces
+    top = np.quantile(v[:, 2], 0.7)
+    fit = sp.fit(model, (v, f[(v[f][:, :, 2] < top).all(1)]), pose="As it lies")
+    assert fit.map is None and fit.figures["unseen"] > 0.05
+    assert error(fit.points, cycle.landmarks[2]) < 2
+
+
+def test_anchors_are_kept(cycle, model):
+    truth = cycle.landmarks[2]
+    anchors = {j: truth[j] for j in (0, 50, 100, 150)}
+    fit = sp.fit(model, cycle.surfaces[2], anchors=anchors, anchor_sd=0.05, pose="Anchors")
+    assert fit.figures["starts"] == 1
+    assert np.linalg.norm((fit.points - truth)[list(anchors)], axis=1).max() < 0.5
+
+
+@pytest.mark.parametrize(
+    "anchors, words",
+    [
+        ([(0, 0, 0)], "dictionary"),
+        ({1000: (0, 0, 0)}, "no landmark 1000"),
+        ({1.5: (0, 0, 0)}, "whole number"),
+        ({0: (0, 0)}, "three numbers"),
+        ({0: (0, 0, np.nan)}, "three numbers"),
+    ],
+)
+def test_anchors_that_cannot_be(cycle, model, anchors, words):
+    with pytest.raises(sp.InputError, match=words):
+        sp.fit(model, cycle.surfaces[2], anchors=anchors)
+
+
+def test_what_it_refuses(cycle, model):
+    surface = cycle.surfaces[2]
+    with pytest.raises(sp.FilterError, match="pose must be one of"):
+        sp.fit(model, surface, pose="Somewhere")
+    with pytest.raises(sp.FilterError, match="number of modes"):
+        sp.fit(model, surface, modes=-1)
+    with pytest.raises(sp.FilterError, match="no faces"):
+        sp.fit(model, sp.Surface(surface.vertices, np.zeros((0, 3), int), "points"))
+
+
+def test_the_command_fits_a_folder(cycle, model, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sp.shape_model(
+        cycle.landmarks, cycle.landmark_faces, alignment="Rigid", export_file="model.npz"
+    )
+    (tmp_path / "patients").mkdir()
+    for k in (1, 2):
+        surface = cycle.surfaces[k]
+        sp.write_ply(tmp_path / "patients" / f"p{k}.ply", surface.vertices, surface.faces)
+    assert command.main(["fit", "model.npz", "patients", "-o", "out", "--pose", "as-it-lies"]) == 0
+    said = capsys.readouterr().out
+    assert "p1: " in said and "p2: " in said and "fits.csv" in said
+    with open("out/fits.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["surface"] for row in rows] == ["p1", "p2"]
+    assert all(row["map"] == "1" and float(row["surface_distance"]) < 1 for row in rows)
+    with np.load("out/p1_fit.npz") as fit:
+        assert fit["landmarks"].shape == (162, 3) and fit["covariance"].shape == (162, 3, 3)
+    assert sp.read_mesh("out/p1_fit.ply").vertices.shape == (162, 3)
+    assert sp.read_map("out/p1.ply").positions.shape == cycle.surfaces[1].vertices.shape
+    # And again, in the same folder.
+    assert command.main(["fit", "model.npz", "patients", "-o", "out", "--modes-only"]) == 0
+
+
+def test_choices_are_spelt_as_the_filter_has_them():
+    assert fitting.POSES == ("Search", "As it lies", "Anchors")
+    assert fitting.SIZES == ("As the model", "Rigid", "Similarity")
