@@ -193,6 +193,82 @@ TEST(MovingLandmarks, TheMapFollowsThem) {
 
 // ---------------------------------------------------------------- the population
 
+/// Landmarks of ellipsoids, and their normals; those of shape k slid round the long axis.
+struct Ellipsoids {
+  explicit Ellipsoids(const std::vector<double>& slides, Eigen::Vector3d axes = {3, 2, 1.4})
+      : sphere(icosphere(7)) {
+    for (size_t k = 0; k < slides.size(); ++k) {
+      const Eigen::Vector3d size =
+          axes + 0.1 * std::sin(static_cast<double>(k)) * Eigen::Vector3d(1, 0, 0);
+      const Eigen::Matrix3d turn =
+          Eigen::AngleAxisd(slides[k], Vector3::UnitX()).toRotationMatrix();
+      const Points u = sphere.vertices * turn.transpose();
+      points.emplace_back(u * size.asDiagonal());
+      normals.emplace_back((u * size.cwiseInverse().asDiagonal()).rowwise().normalized());
+    }
+  }
+  void turn(size_t k, const Eigen::Matrix3d& by) {
+    points[k] = points[k] * by.transpose();
+    normals[k] = normals[k] * by.transpose();
+  }
+  Icosphere sphere;
+  std::vector<Points> points, normals;
+};
+
+double turnBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a * b.transpose()).angle();
+}
+
+TEST(PopulationPose, LandmarksThatSlideAreNoTurn) {
+  const Ellipsoids given({0, 0, 0.4, -0.3, 0, 0, 0, 0});
+  ThreadPool pool(2);
+  const PopulationPose by = poseOf(given.points, given.sphere.faces, Alignment::Rigid);
+  EXPECT_GT(turnBetween(by.turns[2], by.turns[0]), 0.2);
+  for (const Alignment alignment : {Alignment::Rigid, Alignment::Similarity}) {
+    const PopulationPose pose =
+        firstPose(given.points, given.normals, given.sphere.faces, alignment, pool);
+    for (const Eigen::Matrix3d& turn : pose.turns)
+      EXPECT_LT(turnBetween(turn / std::cbrt(turn.determinant()), Eigen::Matrix3d::Identity()),
+                0.03);
+  }
+}
+
+TEST(PopulationPose, SurfacesBringBackWhatProcrustesTurned) {
+  const Ellipsoids given({0, 0, 0.4, 0, 0, 0, 0, 0});
+  ThreadPool pool(1);
+  PopulationPose pose = poseOf(given.points, given.sphere.faces, Alignment::Rigid);
+  const double before = turnBetween(pose.turns[2], pose.turns[0]);
+  for (int i = 0; i < 20; ++i)
+    pose = poseBySurfaces(given.points, given.normals, given.sphere.faces, Alignment::Rigid, pose,
+                          pool);
+  EXPECT_LT(turnBetween(pose.turns[2], pose.turns[0]), 0.75 * before);
+}
+
+TEST(PopulationPose, ShapesThatLieAnyhowAreLaidOnEachOther) {
+  Ellipsoids given({0, 0.02, 0, -0.02, 0, 0});
+  std::vector<Eigen::Matrix3d> turns;
+  for (size_t k = 0; k < given.points.size(); ++k) {
+    turns.push_back(test::randomRotation(static_cast<unsigned>(k) + 1));
+    given.turn(k, turns.back());
+    given.points[k].rowwise() += Eigen::RowVector3d(5.0 * static_cast<double>(k), -3, 1);
+  }
+  ThreadPool pool(1);
+  const PopulationPose pose =
+      firstPose(given.points, given.normals, given.sphere.faces, Alignment::Rigid, pool);
+  for (size_t k = 0; k < turns.size(); ++k)
+    EXPECT_LT(turnBetween(pose.turns[k] * turns[k], pose.turns[0] * turns[0]), 0.03);
+  EXPECT_LT(pose.variance(), 0.02);
+}
+
+TEST(PopulationPose, ASphereStaysAsItIsTurned) {
+  Ellipsoids given({0, 0.3, -0.5}, {1, 1, 1});
+  ThreadPool pool(1);
+  const PopulationPose by = poseOf(given.points, given.sphere.faces, Alignment::Rigid),
+                       pose = poseBySurfaces(given.points, given.normals, given.sphere.faces,
+                                             Alignment::Rigid, by, pool);
+  for (size_t k = 0; k < 3; ++k) EXPECT_LT(turnBetween(pose.turns[k], by.turns[k]), 0.03);
+}
+
 TEST(PopulationModel, ExplainsWhatSurfacesShow) {
   // What is expected explains what was seen along the normals.
   const std::vector<MappedSurface> maps = Family(6).mapped(0);

@@ -61,10 +61,26 @@ class Population {
 
   PopulationPose pose() const { return poseOf(points(), sphere_->faces, parameters_.alignment); }
 
+  PopulationPose firstPose() const {
+    return sphere_propagation::firstPose(points(), normals(), sphere_->faces,
+                                         parameters_.alignment, pool_);
+  }
+
+  PopulationPose poseAfter(const PopulationPose& pose) const {
+    return poseBySurfaces(points(), normals(), sphere_->faces, parameters_.alignment, pose, pool_);
+  }
+
   std::vector<Points> points() const {
     std::vector<Points> all;
     all.reserve(shapes_.size());
     for (const auto& shape : shapes_) all.push_back(shape->landmarks().points);
+    return all;
+  }
+
+  std::vector<Points> normals() const {
+    std::vector<Points> all;
+    all.reserve(shapes_.size());
+    for (const auto& shape : shapes_) all.push_back(shape->landmarks().normals);
     return all;
   }
 
@@ -204,11 +220,12 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     model.priorShapes = parameters.priorShapes;
     model.surfacePrecision = result.surfacePrecision =
         parameters.surfacePrecision > 0 ? parameters.surfacePrecision : defaultPrecision;
+    pose = population.firstPose();
     for (int i = 0; i < parameters.iterations && pose.variance() > noVariance; ++i) {
       report(progress, working(i));
       result.moves.push_back(radius *
                              improveByModel(population, pose, fields, model, pool, residuals));
-      pose = population.pose();
+      pose = population.poseAfter(pose);
     }
   } else {
     std::mt19937 random(0);

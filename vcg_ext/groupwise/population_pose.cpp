@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/groupwise/population_pose.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
 #include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
+#include "vcg_ext/mesh/vertex_locator.h"
 
 namespace sphere_propagation {
 namespace {
@@ -14,6 +22,102 @@ Eigen::Matrix3d turnOf(const Points& shape, const Points& aligned, Alignment ali
                to = aligned.rowwise() - aligned.colwise().mean();
   const double scale = alignment == Alignment::Similarity ? to.norm() / from.norm() : 1;
   return scale * bestRotation(to.transpose() * from);
+}
+
+constexpr int mostRounds = 10;
+constexpr double poseConverged = 1e-4;  // the farthest that a shape moved in a round, of its size
+constexpr double longestTurn = 0.3;     // in a round
+/// What a turn costs by its square and the shape's, where the most that normals show of it is 2 / 3:
+/// so one call goes a part of the way, and landmarks have time to slide back before the pose
+/// follows them.
+constexpr double turnCost = 1;
+/// How much more may shapes differ along the normals, in squares, as they lie than as Procrustes
+/// alignment lays them?
+constexpr double frameShare = 1.5;
+
+Eigen::RowVector3d centreOf(const Points& points, const Eigen::VectorXd& weights) {
+  return weights.transpose() * points;
+}
+
+double sizeOf(const Points& points, const Eigen::VectorXd& weights) {
+  const Points centred = points.rowwise() - centreOf(points, weights);
+  return std::sqrt(centred.rowwise().squaredNorm().dot(weights));
+}
+
+/// One shape on its way to the mean.
+struct MovingShape {
+  Points points;
+  Eigen::Matrix3d turn;            // of what it was, with its scale
+  Vector3 turned = Vector3::Zero();  // by how much by now, about this axis
+};
+
+/// A small turn, a shift and, where it may, a change of size towards the mean (Gauss and Newton).
+/// Returns how far, of the shape's size.
+double moveTowards(const VertexLocator& mean, const Eigen::VectorXd& weights, const Points& normals,
+                   bool scaled, MovingShape& shape) {
+  using Vector7 = Eigen::Matrix<double, 7, 1>;
+  const Eigen::RowVector3d centre = centreOf(shape.points, weights);
+  Eigen::Matrix<double, 7, 7> system = Eigen::Matrix<double, 7, 7>::Zero();
+  Vector7 right = Vector7::Zero();
+  for (Eigen::Index j = 0; j < weights.size(); ++j) {
+    const Vector3 arm = (shape.points.row(j) - centre).transpose(),
+                  normal = (shape.turn * normals.row(j).transpose()).stableNormalized();
+    Vector7 moves;
+    moves << arm.cross(normal), normal, arm.dot(normal);
+    const Vector3 point = shape.points.row(j).transpose();
+    const double gap = (mean.points().row(mean.nearest(point)).transpose() - point).dot(normal);
+    system.noalias() += weights[j] * moves * moves.transpose();
+    right += weights[j] * gap * moves;
+  }
+  const double size = sizeOf(shape.points, weights);
+  system.diagonal().head<3>().array() += turnCost * size * size;
+  right.head<3>() -= turnCost * size * size * shape.turned;
+  if (!scaled) {
+    system.row(6).setZero();
+    system.col(6).setZero();
+    system(6, 6) = 1;
+    right[6] = 0;
+  }
+  const Vector7 step = system.ldlt().solve(right);
+  if (!step.allFinite()) return 0;
+  const double angle = step.head<3>().norm(), scale = std::exp(step[6]);
+  const Eigen::Matrix3d rotation =
+      angle > 0
+          ? Eigen::AngleAxisd(std::min(angle, longestTurn), Vector3(step.head<3>() / angle))
+                .toRotationMatrix()
+          : Eigen::Matrix3d::Identity();
+  const Eigen::RowVector3d to = centre + step.segment<3>(3).transpose();
+  shape.points =
+      ((shape.points.rowwise() - centre) * (scale * rotation).transpose()).rowwise() + to;
+  shape.turn = scale * rotation * shape.turn;
+  if (angle > 0) shape.turned += std::min(1.0, longestTurn / angle) * step.head<3>();
+  return angle + step.segment<3>(3).norm() / size + std::fabs(step[6]);
+}
+
+/// How far surfaces lie from the mean's, wherever their landmarks are: squared, along the normals,
+/// from its nearest landmarks.
+double distanceFromMean(const PopulationPose& pose, const std::vector<Points>& normals,
+                        ThreadPool& pool) {
+  const auto count = static_cast<int>(pose.shapes.size());
+  const VertexLocator mean(pose.mean);
+  const std::vector<double> each = pool.makeEach(count, [&](int k) {
+    const auto i = static_cast<size_t>(k);
+    double sum = 0;
+    for (Eigen::Index j = 0; j < pose.mean.rows(); ++j) {
+      const Vector3 point = pose.shapes[i].row(j).transpose();
+      const Vector3 normal = (pose.turns[i] * normals[i].row(j).transpose()).stableNormalized();
+      const double along = (pose.mean.row(mean.nearest(point)).transpose() - point).dot(normal);
+      sum += pose.weights[j] * along * along;
+    }
+    return sum;
+  });
+  return std::accumulate(each.begin(), each.end(), 0.0);
+}
+
+Points averageOf(const std::vector<Points>& shapes) {
+  Points sum = Points::Zero(shapes.front().rows(), 3);
+  for (const Points& shape : shapes) sum += shape;
+  return sum / static_cast<double>(shapes.size());
 }
 
 }  // namespace
@@ -46,6 +150,83 @@ PopulationPose poseOf(const std::vector<Points>& landmarks, const Triangles& fac
   }
   pose.weights /= pose.weights.sum();
   return pose;
+}
+
+PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
+                              const std::vector<Points>& normals, const Triangles& faces,
+                              Alignment alignment, const PopulationPose& from, ThreadPool& pool) {
+  if (alignment == Alignment::None) return poseOf(landmarks, faces, alignment);
+  const bool scaled = alignment == Alignment::Similarity;
+  const auto count = static_cast<int>(landmarks.size());
+  std::vector<MovingShape> shapes(landmarks.size());
+  for (size_t k = 0; k < landmarks.size(); ++k) {
+    const Points turned = landmarks[k] * from.turns[k].transpose();
+    shapes[k].turn = from.turns[k];
+    shapes[k].points =
+        turned.rowwise() +
+        (centreOf(from.shapes[k], from.weights) - centreOf(turned, from.weights));
+  }
+  PopulationPose pose;
+  const auto look = [&] {
+    pose.mean = Points::Zero(landmarks.front().rows(), 3);
+    for (const MovingShape& shape : shapes) pose.mean += shape.points / count;
+  };
+  const auto enlarge = [&](double unit) {
+    for (MovingShape& shape : shapes) {
+      shape.points *= unit;
+      shape.turn *= unit;
+    }
+  };
+  std::vector<double> moved(landmarks.size());
+  look();
+  for (int round = 0; round < mostRounds; ++round) {
+    pose.weights = vertexAreas(pose.mean, faces);
+    pose.weights /= pose.weights.sum();
+    const double size = sizeOf(pose.mean, pose.weights);
+    const VertexLocator mean(pose.mean);
+    pool.forEach(count, [&](int k) {
+      const auto i = static_cast<size_t>(k);
+      moved[i] = moveTowards(mean, pose.weights, normals[i], scaled, shapes[i]);
+    });
+    look();
+    if (scaled) {  // The mean keeps its size, or all would shrink to a point.
+      enlarge(size / sizeOf(pose.mean, pose.weights));
+      look();
+    }
+    if (*std::max_element(moved.begin(), moved.end()) < poseConverged) break;
+  }
+  // Into the frame of the first shape.
+  const Eigen::Matrix3d back = bestRotation(shapes.front().turn.transpose());
+  const Eigen::RowVector3d centre = centreOf(shapes.front().points, pose.weights),
+                           there = centreOf(landmarks.front(), pose.weights);
+  pose.weights.setZero();
+  for (const MovingShape& shape : shapes) {
+    pose.shapes.emplace_back(((shape.points.rowwise() - centre) * back.transpose()).rowwise() +
+                             there);
+    pose.turns.emplace_back(back * shape.turn);
+    pose.weights += vertexAreas(pose.shapes.back(), faces);
+  }
+  pose.weights /= pose.weights.sum();
+  pose.mean = averageOf(pose.shapes);
+  return pose;
+}
+
+PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector<Points>& normals,
+                         const Triangles& faces, Alignment alignment, ThreadPool& pool) {
+  const PopulationPose given = poseOf(landmarks, faces, Alignment::None);
+  if (alignment == Alignment::None) return given;
+  PopulationPose centred = given;
+  for (Points& shape : centred.shapes)
+    shape.rowwise() += centreOf(centred.shapes.front(), given.weights) -
+                       centreOf(shape, given.weights);
+  const PopulationPose lie = poseBySurfaces(landmarks, normals, faces, alignment, centred, pool),
+                       turned =
+                           poseBySurfaces(landmarks, normals, faces, alignment,
+                                          poseOf(landmarks, faces, alignment), pool);
+  return distanceFromMean(lie, normals, pool) <=
+                 frameShare * distanceFromMean(turned, normals, pool)
+             ? lie
+             : turned;
 }
 
 }  // namespace sphere_propagation
