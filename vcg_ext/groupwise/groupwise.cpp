@@ -62,8 +62,8 @@ class Population {
   PopulationPose pose() const { return poseOf(points(), sphere_->faces, parameters_.alignment); }
 
   PopulationPose firstPose() const {
-    return sphere_propagation::firstPose(points(), normals(), sphere_->faces,
-                                         parameters_.alignment, pool_);
+    return sphere_propagation::firstPose(points(), normals(), sphere_->faces, parameters_.alignment,
+                                         pool_);
   }
 
   PopulationPose poseAfter(const PopulationPose& pose) const {

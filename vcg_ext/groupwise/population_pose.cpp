@@ -27,8 +27,8 @@ Eigen::Matrix3d turnOf(const Points& shape, const Points& aligned, Alignment ali
 constexpr int mostRounds = 10;
 constexpr double poseConverged = 1e-4;  // the farthest that a shape moved in a round, of its size
 constexpr double longestTurn = 0.3;     // in a round
-/// What a turn costs by its square and the shape's, where the most that normals show of it is 2 / 3:
-/// so one call goes a part of the way, and landmarks have time to slide back before the pose
+/// What a turn costs by its square and the shape's, where the most that normals show of it is 2 /
+/// 3: so one call goes a part of the way, and landmarks have time to slide back before the pose
 /// follows them.
 constexpr double turnCost = 1;
 /// How much more may shapes differ along the normals, in squares, as they lie than as Procrustes
@@ -47,7 +47,7 @@ double sizeOf(const Points& points, const Eigen::VectorXd& weights) {
 /// One shape on its way to the mean.
 struct MovingShape {
   Points points;
-  Eigen::Matrix3d turn;            // of what it was, with its scale
+  Eigen::Matrix3d turn;              // of what it was, with its scale
   Vector3 turned = Vector3::Zero();  // by how much by now, about this axis
 };
 
@@ -82,10 +82,9 @@ double moveTowards(const VertexLocator& mean, const Eigen::VectorXd& weights, co
   if (!step.allFinite()) return 0;
   const double angle = step.head<3>().norm(), scale = std::exp(step[6]);
   const Eigen::Matrix3d rotation =
-      angle > 0
-          ? Eigen::AngleAxisd(std::min(angle, longestTurn), Vector3(step.head<3>() / angle))
-                .toRotationMatrix()
-          : Eigen::Matrix3d::Identity();
+      angle > 0 ? Eigen::AngleAxisd(std::min(angle, longestTurn), Vector3(step.head<3>() / angle))
+                      .toRotationMatrix()
+                : Eigen::Matrix3d::Identity();
   const Eigen::RowVector3d to = centre + step.segment<3>(3).transpose();
   shape.points =
       ((shape.points.rowwise() - centre) * (scale * rotation).transpose()).rowwise() + to;
@@ -162,9 +161,8 @@ PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
   for (size_t k = 0; k < landmarks.size(); ++k) {
     const Points turned = landmarks[k] * from.turns[k].transpose();
     shapes[k].turn = from.turns[k];
-    shapes[k].points =
-        turned.rowwise() +
-        (centreOf(from.shapes[k], from.weights) - centreOf(turned, from.weights));
+    shapes[k].points = turned.rowwise() +
+                       (centreOf(from.shapes[k], from.weights) - centreOf(turned, from.weights));
   }
   PopulationPose pose;
   const auto look = [&] {
@@ -217,12 +215,11 @@ PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector
   if (alignment == Alignment::None) return given;
   PopulationPose centred = given;
   for (Points& shape : centred.shapes)
-    shape.rowwise() += centreOf(centred.shapes.front(), given.weights) -
-                       centreOf(shape, given.weights);
+    shape.rowwise() +=
+        centreOf(centred.shapes.front(), given.weights) - centreOf(shape, given.weights);
   const PopulationPose lie = poseBySurfaces(landmarks, normals, faces, alignment, centred, pool),
-                       turned =
-                           poseBySurfaces(landmarks, normals, faces, alignment,
-                                          poseOf(landmarks, faces, alignment), pool);
+                       turned = poseBySurfaces(landmarks, normals, faces, alignment,
+                                               poseOf(landmarks, faces, alignment), pool);
   return distanceFromMean(lie, normals, pool) <=
                  frameShare * distanceFromMean(turned, normals, pool)
              ? lie
