@@ -128,7 +128,7 @@ class FitFilter : public host::Filter {
       }
     }();
     const ShapeDeviation deviation = shapeDeviation(fit.scores, shapes.scores, shapes.eigenvalues);
-    tellOf(task, *layer, model, fit, deviation);
+    tellOf(task, *layer, model, target, fit, deviation);
     addLayer(task, *layer, model, fit);
     host::Outputs outputs = outputsOf(model, fit, deviation, target);
     setMap(task, *layer, model, fit, target, threads, outputs);
@@ -147,7 +147,8 @@ class FitFilter : public host::Filter {
 
  private:
   static void tellOf(const host::Task& task, const host::Layer& layer, const FittingModel& model,
-                     const ModelFit& fit, const ShapeDeviation& deviation) {
+                     const FittingTarget& target, const ModelFit& fit,
+                     const ShapeDeviation& deviation) {
     task.log(layer.label() + ": " + shortNumber(fit.surfaceDistance) +
              " from the surface on average, noise " + shortNumber(fit.noise) +
              ", standard deviation of landmarks " + shortNumber(fit.deviations().mean()) +
@@ -158,11 +159,22 @@ class FitFilter : public host::Filter {
                   : std::string()) +
              ", " + counted(fit.starts, "start", "starts"));
     if (fit.unseen > 0) task.say(messages::landmarksUnseen, layer.label(), 100 * fit.unseen);
-    constexpr double much = 0.1, far = 0.05;
+    // What the training shapes leave of each other, three times, and what a mesh's edges do; within
+    // what nobody would see and what anybody would.
+    constexpr double much = 0.1, play = 3, ofEdge = 0.25, least = 0.02, most = 0.05;
+    const double size = fit.scale * model.radius();
+    const double far =
+        std::clamp(play * fit.scale * model.localDeviation() + ofEdge * target.meanEdge(),
+                   least * size, most * size);
     if (fit.unexplained > much)
       task.sayOf(layer, messages::surfaceUnexplained, 100 * fit.unexplained);
-    else if (fit.surfaceDistance > far * fit.scale * model.radius())
+    else if (fit.surfaceDistance > far)
       task.sayOf(layer, messages::fitIsFarOff, fit.surfaceDistance);
+    constexpr double otherUnit = 1.8;  // as for layers among others (surface_sizes.h)
+    if (fit.scale > otherUnit)
+      task.sayOf(layer, messages::fitOfOtherSize, fit.scale, "larger");
+    else if (fit.scale < 1 / otherUnit)
+      task.sayOf(layer, messages::fitOfOtherSize, 1 / fit.scale, "smaller");
     constexpr double unusual = 1.5;
     if (deviation.training.size() > 0 &&
         deviation.deviation > unusual * deviation.training.maxCoeff())

@@ -216,6 +216,24 @@ def test_another_organ_is_named(built):
     assert '"patient"' in said
 
 
+def said(returned):
+    return bytes(returned["warnings"].astype(np.uint8)).decode() if "warnings" in returned else ""
+
+
+def test_a_good_fit_is_not_warned_of_and_others_are(built, tmp_path):
+    file, (v, f), _ = built
+    assert not said(project((v, f)).apply_filter(FIT, model_file=file))
+    # A model without size takes centimetres for small shapes: that is said.
+    ms = mapped_cycle(6)
+    ms.apply_filter(REMESH, frequency=5)
+    similar = str(tmp_path / "similar.npz")
+    ms.apply_filter(MODEL, alignment="Similarity", export_file=similar)
+    assert "times smaller" in said(project((v / 10, f)).apply_filter(FIT, model_file=similar))
+    # A shape that the model cannot show.
+    flat = project((v * [1.6, 0.6, 1], f))
+    assert "let expect" in said(flat.apply_filter(FIT, model_file=file, local_deviation=False))
+
+
 def refuses(ms, words, **parameters):
     before = snapshot(ms)
     with pytest.raises(pymeshlab.PyMeshLabException, match=words):
