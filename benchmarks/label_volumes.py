@@ -153,8 +153,8 @@ def against_all_slices(data, label, step, first, align):
 def thick_rows(data):
     """heart_truth in thick slices, from which its slices begin at two places."""
     print(
-        "\n| label | slices (mm) | align_slices | mean distance (mm) | worst phase | volume, mean | "
-        "phases |\n" + "| --- " * 7 + "|"
+        "\n| label | slices (mm) | align_slices | mean distance (mm) | worst phase | volume, mean "
+        "| phases |\n" + "| --- " * 7 + "|"
     )
     for label in ("1", "2"):
         for step in (5, 7, 8):
