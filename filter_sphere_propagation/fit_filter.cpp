@@ -104,7 +104,7 @@ class FitFilter : public host::Filter {
     if (!task.values.flag("local_deviation")) ofModel.localDeviation = 0;
     const FittingModel model(shapes, pool, ofModel);
     if (modesWanted > model.modeCount()) task.say(messages::fewerModes, model.modeCount());
-    if (model.localDeviation() > 0 && shapes.scores.rows() < 3)
+    if (model.localDeviation() > 0 && shapes.scores.rows() < minShapesToLearnFrom)
       task.say(messages::localDeviationAssumed, model.localDeviation());
 
     ModelFitParameters parameters;
@@ -114,10 +114,9 @@ class FitFilter : public host::Filter {
     if (anchorSd == 0) anchorSd = target.meanEdge();
     if (!anchorName.empty())
       parameters.anchors = anchorsOf(anchorName, model.mean().rows(), anchorSd);
-    constexpr size_t enough = 3;
-    if (pose == FitPose::Anchors && parameters.anchors.size() < enough)
+    if (pose == FitPose::Anchors && parameters.anchors.size() < minPoseAnchors)
       throw host::Refusal(messages::tooFewAnchors, parameters.anchors.size());
-    if (pose == FitPose::Search && parameters.anchors.size() >= enough)
+    if (pose == FitPose::Search && parameters.anchors.size() >= minPoseAnchors)
       task.say(messages::poseOfAnchors, parameters.anchors.size());
 
     const ModelFit fit = [&] {

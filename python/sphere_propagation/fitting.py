@@ -4,6 +4,7 @@ arrays."""
 
 from __future__ import annotations
 
+import csv
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -159,9 +160,7 @@ def fit_files(model, surfaces, folder, say: Callable[[str], None], **choices) ->
     results = ResultFolder(folder)
     results.create()
     names = ("surface_distance", "noise", "deviation", "percentile", "unseen", "unexplained")
-    rows = [
-        ",".join(["surface", *names, "map", *(f"score_{m + 1}" for m in range(len(shapes.modes)))])
-    ]
+    rows = [["surface", *names, "map", *(f"score_{m + 1}" for m in range(len(shapes.modes)))]]
     for surface, name in zip(found, distinct_names(found)):
         got = fit(shapes, surface, **choices)
         results.write(
@@ -191,13 +190,13 @@ def fit_files(model, surfaces, folder, say: Callable[[str], None], **choices) ->
                 ),
             )
         values = [*(got.figures[key] for key in names), int(got.map is not None), *got.scores]
-        rows.append(",".join([_field(name), *(f"{value:.9g}" for value in values)]))
+        rows.append([name, *(f"{value:.9g}" for value in values)])
         say(
             f"{name}: {got.figures['surface_distance']:.3g} from the surface, deviation "
             f"{got.figures['deviation']:.3g}, more than {got.figures['percentile']:.0f} % of the "
             f"training shapes{'' if got.map is None else ', map certified'}"
         )
-    results.write("fits.csv", lambda path: path.write_text("\n".join(rows) + "\n"))
+    results.write("fits.csv", lambda path: _write_table(path, rows))
     return [
         "fits.csv: a row for each surface: distance, deviation, scores",
         "*_fit.ply, *_fit.npz: the fitted shapes with the standard deviation of each landmark",
@@ -205,8 +204,9 @@ def fit_files(model, surfaces, folder, say: Callable[[str], None], **choices) ->
     ]
 
 
-def _field(text: str) -> str:
-    return f'"{text}"'.replace('"', '""')[1:-1] if '"' in text or "," in text else text
+def _write_table(path: Path, rows: List[List[str]]) -> None:
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def _anchor_file(folder: Path, anchors: Optional[Anchors], count: int) -> str:

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/fitting/fit_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
@@ -13,22 +10,7 @@
 
 namespace sphere_propagation {
 
-void requireFitFile(const std::string& name) {
-  const std::filesystem::path path = std::filesystem::u8path(name);
-  std::string ending = path.extension().u8string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto refuse = [&](Fault fault, std::string other = {}) {
-    throw ExportError(Finding(fault, path.u8string()).against(std::move(other)).saying(".npz"));
-  };
-  if (ending.empty()) refuse(Fault::NoFileEnding);
-  if (ending != ".npz") refuse(Fault::UnknownFileFormat, ending);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) refuse(Fault::FileIsFolder);
-  const std::filesystem::path folder = path.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    refuse(Fault::NoFolder, folder.u8string());
-}
+void requireFitFile(const std::string& path) { requireWritable(path, {".npz"}); }
 
 void exportFit(const std::string& path, const FittingModel& model, const ModelFit& fit) {
   requireFitFile(path);

@@ -36,8 +36,7 @@ Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> kernelCol
 
 std::optional<double> learntLocalDeviation(const ShapeModel& model, Eigen::Index modes,
                                            ThreadPool& pool) {
-  constexpr Eigen::Index fewest = 3;
-  if (model.scores.rows() < fewest) return std::nullopt;
+  if (model.scores.rows() < minShapesToLearnFrom) return std::nullopt;
   modes = std::min(modes, model.scores.cols());
   const Eigen::VectorXd left =
       modes > 0 ? Eigen::VectorXd(leaveOneOut(model.scores, modes, pool).col(modes - 1))

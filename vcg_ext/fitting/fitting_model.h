@@ -24,8 +24,12 @@ struct FittingModelParameters {
   std::optional<double> localDeviation = {};
 };
 
+/// How many training shapes it can be learnt from.
+constexpr Eigen::Index minShapesToLearnFrom = 3;
+
 /// Root mean square, per coordinate, of what the first modes of the models of all shapes but one
-/// leave of that one (leave_one_out.h). Empty where the model has no scores of three shapes.
+/// leave of that one (leave_one_out.h). Empty where the model has no scores of
+/// minShapesToLearnFrom.
 std::optional<double> learntLocalDeviation(const ShapeModel& model, Eigen::Index modes,
                                            ThreadPool& pool);
 

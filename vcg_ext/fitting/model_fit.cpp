@@ -283,8 +283,7 @@ void requireValid(const FittingModel& model, const ModelFitParameters& parameter
 /// Where the anchors bring the mean; empty where there are too few of them.
 std::optional<RigidMotion> poseOfAnchors(const FittingModel& model,
                                          const std::vector<FittingAnchor>& anchors) {
-  constexpr size_t fewest = 3;
-  if (anchors.size() < fewest) return std::nullopt;
+  if (anchors.size() < minPoseAnchors) return std::nullopt;
   Points from(static_cast<Eigen::Index>(anchors.size()), 3), to = from;
   for (size_t i = 0; i < anchors.size(); ++i) {
     from.row(static_cast<Eigen::Index>(i)) = model.mean().row(anchors[i].landmark);

@@ -38,6 +38,9 @@ struct FittingAnchor {
   double deviation = 1;  ///< unit of length, above 0
 };
 
+/// How many anchors tell a pose.
+constexpr size_t minPoseAnchors = 3;
+
 struct ModelFitParameters {
   /// Where the model's frame lies, to begin with; empty: searched for, or from the anchors where
   /// there are three of them.

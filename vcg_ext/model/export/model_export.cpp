@@ -3,12 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
-#include <system_error>
-#include <utility>
 
-#include "vcg_ext/base/error.h"
 #include "vcg_ext/model/export/formats.h"
 #include "vcg_ext/model/export/whole_file.h"
 
@@ -20,36 +16,12 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 6> endings = {".npz",       ".h5",  ".json",
                                                 ".particles", ".ply", ".csv"};
 
-std::string endingOf(const fs::path& path) {
-  std::string ending = path.extension().u8string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 }  // namespace
 
-std::string modelFileEndings() {
-  std::string list;
-  for (const char* ending : endings) list += (list.empty() ? "" : ", ") + std::string(ending);
-  return list;
-}
+std::string modelFileEndings() { return listOf({endings.begin(), endings.end()}); }
 
 void requireExportable(const std::string& name) {
-  const fs::path path = fs::u8path(name);
-  const std::string ending = endingOf(path);
-  const auto refuse = [&](Fault fault, std::string other = {}) {
-    throw ExportError(
-        Finding(fault, path.u8string()).against(std::move(other)).saying(modelFileEndings()));
-  };
-  if (ending.empty()) refuse(Fault::NoFileEnding);
-  if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-    refuse(Fault::UnknownFileFormat, ending);
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) refuse(Fault::FileIsFolder);
-  const fs::path folder = path.parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    refuse(Fault::NoFolder, folder.u8string());
+  requireWritable(name, {endings.begin(), endings.end()});
 }
 
 std::vector<std::string> exportModel(const std::string& name, const ShapeModel& model,
