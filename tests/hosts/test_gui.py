@@ -38,7 +38,7 @@ def names(gui):
 
 def test_the_whole_job(meshlab, surfaces):
     with meshlab(*surfaces[:3]) as gui:
-        ready(gui, 3)
+        opened(gui, 3)
         menus = {(e["menu"], e["text"]) for e in gui.menus()}
         for menu, name in [
             ("Remeshing, Simplification and Reconstruction", ROOT),
@@ -92,7 +92,7 @@ def test_an_empty_project_can_be_filled(meshlab):
 
 def test_a_failure_is_shown_and_survived(meshlab, surfaces):
     with meshlab(surfaces[0]) as gui:
-        ready(gui, 1)
+        opened(gui, 1)
         with pytest.raises(GuiError, match="between 0 and 1"):
             gui.apply(ROOT, Area_weight="7")
         gui.picture("message")
@@ -104,7 +104,7 @@ def test_a_failure_is_shown_and_survived(meshlab, surfaces):
 def test_clicks_while_a_filter_runs(meshlab, surfaces):
     """They are ignored: the filter runs once, no layer is closed under it, and MeshLab lives on."""
     with meshlab(surfaces[0]) as gui:
-        ready(gui, 1)
+        opened(gui, 1)
         before = gui.log()
         gui.open_filter(PHANTOM)
         gui.set("Phases", "60")  # each calls the progress bar, whose event loop answers the clicks
@@ -123,7 +123,7 @@ def test_a_project_is_saved_and_opened_again(meshlab, surfaces, tmp_path):
     files = [shutil.copy(file, tmp_path) for file in surfaces[:2]]
     project = tmp_path / "saved.mlp"
     with meshlab(*files) as gui:
-        ready(gui, 2)
+        opened(gui, 2)
         for name in (ROOT, PROPAGATE, REMESH):
             gui.apply(name)
         gui.save_project(project)
@@ -162,9 +162,11 @@ def test_a_filter_is_chosen_while_a_file_is_read(meshlab, surfaces, tmp_path):
         gui.start()
         until(lambda: gui.message() or gui.log().count("Opened mesh") == 2, "an answer")
         if gui.message():  # a quick machine may have read it by now
-            # Read: no layer has a map, or the sphere is looked at, which lacks its poles.
-            answers = ("still being read", "no map", "it is not closed")
-            assert any(answer in gui.message() for answer in answers)
+            # Its vertices are there, then its faces; read: no layer has a map, or the sphere, which
+            # lacks its poles, is looked at.
+            answers = ("no faces", "still being read", "no map", "it is not closed")
+            message = gui.message()
+            assert any(answer in message for answer in answers), message
             gui.close_message()
         opened(gui, 2)
 
