@@ -134,6 +134,20 @@ def test_dragged_landmarks_give_the_posterior(opened):
     assert page.run("explorer.scores()") == pytest.approx(np.zeros(5))
 
 
+def test_landmarks_are_found_where_they_are_before_they_are_drawn_there(opened):
+    """Nothing is drawn within one expression, nor on a slow machine for a while."""
+    page = opened(made_model())
+    row = "[300, 340, 380].map((y) => explorer.landmarkAt(x, y))"
+    found = f"[380, 400, 420, 440, 460].flatMap((x) => {row})"
+    before, at_once = page.run(
+        f"((before) => [before, (explorer.setScores([3, -3, 3, 0, 0]), {found})])({found})"
+    )
+    page.drawn()
+    drawn = page.run(found)
+    assert max(drawn) >= 0 and drawn != before
+    assert at_once == drawn
+
+
 def test_what_is_left_uncertain(opened):
     model = made_model()
     page = opened(model)

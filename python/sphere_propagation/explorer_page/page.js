@@ -93,6 +93,7 @@ class Explorer {
   setScores(scores, chosen = null) {
     this.scores.set(scores);
     this.chosen = chosen;
+    this.model.shape(this.scores, this.shape); // at once: a landmark may be picked before the picture
     this.changed();
   }
 
@@ -287,6 +288,7 @@ class Explorer {
       this.waiting = false;
       if (this.playing) {
         this.advance(Math.min(0.1, (now - (this.last === undefined ? now : this.last)) / 1000));
+        this.model.shape(this.scores, this.shape);
         this.last = now;
       }
       this.update();
@@ -295,7 +297,6 @@ class Explorer {
   }
 
   update() {
-    this.model.shape(this.scores, this.shape);
     this.positions.set(this.shape);
     vertexNormals(this.positions, this.model.faces, this.normals);
     if (this.colours === "none") this.values.fill(0.5);
