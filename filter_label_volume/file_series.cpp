@@ -46,6 +46,22 @@ std::string stemOf(const std::string& fileName) {
   return (name.extension() == ".gz" ? stem.stem() : stem).u8string();
 }
 
+std::vector<NamedFile> namedFiles(const std::string& text) {
+  std::error_code ignored;
+  const bool several = text.find_first_of("\n\t") != std::string::npos;
+  if (!several || fs::exists(fs::u8path(text), ignored)) return {{text, stemOf(text)}};
+  std::vector<NamedFile> files;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at), path = line.substr(0, line.find('\t'));
+    const std::string name =
+        path.size() + 1 < line.size() ? line.substr(path.size() + 1) : stemOf(path);
+    if (!path.empty()) files.push_back({path, name});
+    at = end + 1;
+  }
+  return files;
+}
+
 std::vector<std::string> fileSeries(const std::string& fileName) {
   const fs::path path = fs::u8path(fileName);
   const std::string name = path.filename().u8string(), stem = stemOf(fileName);

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "filter_label_volume/earlier_imports.h"
@@ -181,11 +182,18 @@ class ImportFilter : public host::Filter {
     if (fileName.empty()) throw host::Refusal(volume_messages::noFileName);
     const Coordinates coordinates = task.values.choice("coordinates", frames);
     const bool skip = task.values.flag("skip_incomplete_phases");
-    const std::vector<std::string> files =
-        task.values.flag("file_series") ? fileSeries(fileName) : std::vector<std::string>{fileName};
+    const bool isSeries = task.values.flag("file_series");
+    std::vector<std::string> files, stems;
+    if (isSeries)
+      for (const std::string& file : files = fileSeries(fileName)) stems.push_back(stemOf(file));
+    else
+      for (const NamedFile& file : namedFiles(fileName)) {
+        files.push_back(file.path);
+        stems.push_back(file.name);
+      }
+    if (files.empty()) throw host::Refusal(volume_messages::noFileName);
     const auto fileCount = static_cast<int>(files.size());
-    if (task.values.flag("file_series"))
-      task.say(volume_messages::filesInSeries, fileCount, files.front(), files.back());
+    if (isSeries) task.say(volume_messages::filesInSeries, fileCount, files.front(), files.back());
 
     std::string labelText = " label";
     for (const std::int32_t label : parameters.interpolation.labels)
@@ -198,22 +206,24 @@ class ImportFilter : public host::Filter {
       task.say(volume_messages::otherFileOfThisName,
                stemOf(files.front()) + earlier.suffix() + labelText);
     long skipped = 0;
+    int phasesBefore = 0;
     SharedRemarks ofReading;
     for (int f = 0; f < fileCount; ++f) {
       const VolumeFile file(files[static_cast<size_t>(f)], coordinates);
-      const std::string stem = stemOf(files[static_cast<size_t>(f)]) + earlier.suffix();
-      if (fileCount > 1 && file.phases() > 1)
+      const std::string stem = stems[static_cast<size_t>(f)] + earlier.suffix();
+      if (isSeries && fileCount > 1 && file.phases() > 1)
         throw host::Refusal(volume_messages::phasesInSeries, files[static_cast<size_t>(f)],
                             file.phases());
       const int phases = fileCount * file.phases();
       for (int p = 0; p < file.phases(); ++p) {
         const Stopwatch stopwatch;
-        const int phase = fileCount > 1 ? f : p;
+        const int phase = phasesBefore + p;
         // A series' files tell their phases by their names.
         const std::string name =
             stem + labelText + (file.phases() > 1 ? " phase " + numbered(p, file.phases()) : "");
         const Progress progress =
-            part(task.progress, handlesFrom * phase / phases, handlesFrom * (phase + 1.0) / phases);
+            part(task.progress, handlesFrom * (f * file.phases() + p) / phases,
+                 handlesFrom * (f * file.phases() + p + 1.0) / phases);
         try {
           sequence.add(file.phase(p), progress);
           entries.push_back(
@@ -229,6 +239,7 @@ class ImportFilter : public host::Filter {
                             host::sentence(error));
         }
       }
+      phasesBefore += file.phases();
       std::vector<std::string> layersOfFile;
       for (const Entry& entry : entries)
         if (entry.file == static_cast<size_t>(f)) layersOfFile.push_back(entry.name);
@@ -239,7 +250,8 @@ class ImportFilter : public host::Filter {
       throw host::Refusal(volume_messages::allSkipped, fileName, task.values.text("labels"));
     const Trial trial(files, coordinates, parameters, entries);
     std::vector<Figures> figures;
-    bool anyHandles = false, triedToAlign = false;
+    bool handlesAlone = false;
+    std::vector<VolumeSurface> slices;  // what is to be said of them, without the surfaces
     SharedRemarks remarks;
     std::map<int, std::vector<size_t>> apart, sequences;  // by slice, by number: the entries
     std::vector<Thin> thin;
@@ -259,19 +271,23 @@ class ImportFilter : public host::Filter {
       for (const int slice : surface.apartSlices) apart[slice].push_back(i);
       sequences[surface.sliceSequence].push_back(i);
       if (isThin(surface)) thin.push_back({i, totalLoss(surface), surface.voxelSize});
-      const double least = entries.size() > 1 ? minUneven : minUnevenOfOne;
-      warnOfSlices(remarks, entry.name, surface, parameters.interpolation.alignSlices, least, [&] {
-        if (std::exchange(triedToAlign, true)) return 0L;
-        return trial.keptByAligning(i, surface);
-      });
-      anyHandles |= warnOfHandles(remarks, entry.name, surface);
+      slices.push_back(slicesOf(surface));
+      handlesAlone |= warnOfHandles(remarks, entry.name, surface) && surface.handlesAlone;
       figures.emplace_back(surface, entry.phase, entry.seconds + surface.seconds);
       addLayer(task, earlier, entry.file, entry.name, parameters, std::move(surface));
     }
+    bool triedToAlign = false;
+    for (size_t i = 0; i < entries.size(); ++i)
+      warnOfSlices(remarks, entries[i].name, slices[i], parameters.interpolation.alignSlices,
+                   sequences[slices[i].sliceSequence].size() > 1 ? minUneven : minUnevenOfOne, [&] {
+                     if (std::exchange(triedToAlign, true)) return 0L;
+                     return trial.keptByAligning(i, slices[i]);
+                   });
     warnOfThinLabels(remarks, thin, entries, trial);
     remarks.tell(task);
-    if (parameters.interpolation.alignSlices) warnOfUnlikePhases(task, apart, sequences, entries);
-    if (anyHandles) task.say(volume_messages::handlesElsewhere);
+    if (parameters.interpolation.alignSlices)
+      warnOfUnlikePhases(task, apart, sequences, entries, isSeries);
+    if (handlesAlone) task.say(volume_messages::handlesElsewhere);
     if (skipped > 0) task.say(volume_messages::phasesSkipped, skipped);
     if (earlier.replacedUnknown() > 0)
       task.say(volume_messages::unknownReplaced, earlier.replacedUnknown());
@@ -502,6 +518,14 @@ class ImportFilter : public host::Filter {
     return text;
   }
 
+  static VolumeSurface slicesOf(const VolumeSurface& surface) {
+    VolumeSurface slices;
+    slices.lostSlices = surface.lostSlices;
+    slices.unevenSlices = surface.unevenSlices;
+    slices.sliceSequence = surface.sliceSequence;
+    return slices;
+  }
+
   /// keptByAligning: how many of the lost slices would be.
   static void warnOfSlices(SharedRemarks& remarks, const std::string& name,
                            const VolumeSurface& surface, bool aligned, double least,
@@ -530,11 +554,12 @@ class ImportFilter : public host::Filter {
   }
 
   /// "slice 6 in heart label 1 phases 0, 3; slice 8 in heart label 1 phase 1", and phases that do
-  /// not belong together: of one file, or of the files of a series.
+  /// not belong together: of one file, or of the files of a series. That other files do not, as
+  /// those of many patients, is said only where some do.
   static void warnOfUnlikePhases(const host::Task& task,
                                  const std::map<int, std::vector<size_t>>& apart,
                                  const std::map<int, std::vector<size_t>>& sequences,
-                                 const std::vector<Entry>& entries) {
+                                 const std::vector<Entry>& entries, bool isSeries) {
     const auto namesOfThe = [&](const std::vector<size_t>& phases) {
       std::vector<std::string> names;
       for (const size_t i : phases) names.push_back(entries[i].name);
@@ -550,7 +575,14 @@ class ImportFilter : public host::Filter {
         if (std::find(named.begin(), named.end(), name) == named.end()) named.push_back(name);
     }
     if (!unlike.empty()) task.sayNaming(named, volume_messages::slicesAlignedInSome, unlike);
-    if (sequences.size() < 2) return;
+    std::set<size_t> files;
+    for (const Entry& entry : entries) files.insert(entry.file);
+    const bool fileByFile =
+        sequences.size() == files.size() &&
+        std::all_of(sequences.begin(), sequences.end(), [&](const auto& sequence) {
+          return entries[sequence.second.front()].file == entries[sequence.second.back()].file;
+        });
+    if (sequences.size() < 2 || (fileByFile && !isSeries)) return;
     std::string parts;
     std::vector<std::string> all;
     for (const auto& [number, phases] : sequences) {

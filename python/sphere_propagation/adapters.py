@@ -313,9 +313,20 @@ def surfaces_in(things: Any) -> List[Tuple[Any, str]]:
 @contextmanager
 def volume_file(thing: Any) -> Iterator[Tuple[str, str]]:
     """A file that holds the label volume, and what to call it where the filter names the file: the
-    file that was given, or one for the time being."""
-    if is_path(thing):
+    file that was given, or one for the time being. Of a folder and of several files: the lines that
+    the filter takes."""
+    from . import files  # which needs what is here
+
+    if is_path(thing) and not Path(thing).is_dir():
         yield str(thing), str(thing)
+        return
+    if is_path(thing) or (isinstance(thing, (list, tuple)) and thing and all(map(is_path, thing))):
+        paths = files.input_files(*([thing] if is_path(thing) else thing))
+        others = [path for path in paths if not files.is_label_volume(path)]
+        if others:
+            raise InputError(f"{others[0]} is no label volume.")
+        lines = files.volume_lines(paths, files.names_of(paths))
+        yield lines, lines
         return
     volume = volume_of(thing)
     with tempfile.TemporaryDirectory() as folder:

@@ -36,7 +36,6 @@ _collecting: ContextVar[Tuple[List[SpherePropagationWarning], ...]] = ContextVar
 )
 _noted: ContextVar[Tuple[str, ...]] = ContextVar("noted", default=())
 _before: ContextVar[Tuple[SpherePropagationWarning, ...]] = ContextVar("before", default=())
-_called: ContextVar[Tuple[str, str]] = ContextVar("called", default=("", ""))
 _silent: ContextVar[bool] = ContextVar("silent", default=False)
 
 
@@ -75,16 +74,10 @@ def pass_on(returned: Dict[str, Any]) -> None:
 
 
 def _in_words_of_arrays(warning: SpherePropagationWarning) -> SpherePropagationWarning:
-    """With advice for arrays, and with the names that surfaces get where files share one."""
-    stem, name = _called.get()
-
-    def called(text: str) -> str:
-        return name + text[len(stem) :] if stem and text.startswith(stem) else text
-
     return SpherePropagationWarning.of(
-        called(warning.subject),
+        warning.subject,
         for_arrays(warning.said) if warning.message in MESSAGES_FOR_ARRAYS else warning.said,
-        map(called, warning.layers),
+        warning.layers,
         warning.message,
         warning.kind,
     )
@@ -134,16 +127,6 @@ def noting(*messages: str) -> Iterator[None]:
         yield
     finally:
         _noted.reset(token)
-
-
-@contextmanager
-def calling(stem: str, name: str) -> Iterator[None]:
-    """Within, surfaces whose names begin with the file's stem are called by this name instead."""
-    token = _called.set((stem, name) if stem != name else ("", ""))
-    try:
-        yield
-    finally:
-        _called.reset(token)
 
 
 @contextmanager

@@ -49,6 +49,14 @@ def is_label_volume(path) -> bool:
     return Path(path).name.lower().endswith(VOLUME_SUFFIXES)
 
 
+def volume_lines(paths: Sequence[Path], names: Sequence[str]) -> str:
+    """As the import takes several files: one a line, each with what its layers are to be called."""
+    for path, name in zip(paths, names):
+        if any(letter in f"{path}{name}" for letter in "\n\t"):
+            raise FileError(f"{str(path)!r} has a tab or a new line in its name: rename it.")
+    return "\n".join(f"{path}\t{name}" for path, name in zip(paths, names))
+
+
 def stem_of(path) -> str:
     """A file's name without its suffix; .nii.gz and .surf.gii are one, lh.white has none."""
     path = Path(path)

@@ -204,6 +204,8 @@ def read_label_volume(
 
     file: its path; or an image of nibabel, SimpleITK, ITK, ANTs, torchio or MONAI, or (labels,
     affine): an array (x, y, z) or (x, y, z, time) and the way (4, 4) from its indices to RAS in mm.
+    Or a folder of files or a list of paths, whose volumes are looked at together, as the phases of
+    one are.
     labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have
     each of them, or skip_incomplete_phases leaves it out.
     voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the
@@ -225,7 +227,7 @@ def read_label_volume(
     text = (
         labels if isinstance(labels, str) else ",".join(map(str, whole_numbers("labels", labels)))
     )
-    if file_series is True and not adapters.is_path(file):
+    if file_series is True and not (adapters.is_path(file) and not Path(file).is_dir()):
         raise InputError("file_series reads the files beside one: it takes a file.")
     figures = _import(
         meshes,

@@ -42,8 +42,8 @@ EXPORTS = ("h5", "json", "particles", "ply")  # of the shape model; npz and csv 
 EXPLORER = "explore.html"  # beside the model, and inside the report
 FORMATS = ("svg", "pdf")  # of pictures; png is always there
 
-# Notes of the import that matter where label volumes are read one by one.
-FILE_BY_FILE = ("handlesElsewhere",)
+# Notes of the import that matter where several label volumes are read.
+OF_SEVERAL = ("handlesElsewhere",)
 ALWAYS_NOTED = ("slicesAligned",)  # what was changed on request is reported
 
 
@@ -100,7 +100,7 @@ def run_meshes(
     name = name or _name_of(meshes, paths)
     steps = progress(len(MESH_STEPS) + _picture_count(choices, [{gallery.MODEL}]))
     alone = sum(map(files.is_label_volume, paths)) < 2
-    notes = ALWAYS_NOTED if alone else (*ALWAYS_NOTED, *FILE_BY_FILE)
+    notes = ALWAYS_NOTED if alone else (*ALWAYS_NOTED, *OF_SEVERAL)
     with attention.collected() as said, attention.noting(*notes):
         return _run_files(paths, folder, name, choices, steps, said)
 
@@ -135,21 +135,22 @@ def _run_files(
     surfaces, phases = [], None
     began = provenance(choices.command, {}, paths)
     names = files.names_of(paths)
+    volumes = [pair for pair in zip(paths, names) if files.is_label_volume(pair[0])]
+    of_volumes: Dict[str, List[Surface]] = {}
+    if volumes:  # together, for what is done to one is done to all
+        steps.begin(f"reading {_some([path for path, _ in volumes])}")
+        volume = filters.read_label_volume(
+            paths[0] if len(paths) == 1 else [path for path, _ in volumes], **choices.volume
+        )
+        for surface in volume.surfaces:
+            of_volumes.setdefault(surface.name.rsplit(" label ", 1)[0], []).append(surface)
+        # Some may have been skipped.
+        phases = volume.figures["phase"] if len(paths) == 1 else None
     for path, called in zip(paths, names):
-        steps.begin(f"reading {path.name}")
         if files.is_label_volume(path):
-            stem = files.stem_of(path)
-            with attention.calling(stem, called):
-                volume = filters.read_label_volume(path, **choices.volume)
-            surfaces += [
-                replace(surface, name=called + surface.name[len(stem) :])
-                if called != stem and surface.name.startswith(stem)
-                else surface
-                for surface in volume.surfaces
-            ]
-            # Some may have been skipped.
-            phases = volume.figures["phase"] if len(paths) == 1 else None
+            surfaces += of_volumes.get(called, [])
         else:
+            steps.begin(f"reading {path.name}")
             mesh = replace(files.read_mesh(path), name=called)
             surfaces.append(_prepared(mesh, choices.preparation))
     files.warn_of_frames(surfaces)

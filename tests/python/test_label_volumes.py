@@ -215,6 +215,45 @@ def test_slices_are_moved_alike_in_all_phases(tmp_path):
     assert len(warned) == 1
 
 
+@pytest.mark.filterwarnings("ignore::sphere_propagation.SpherePropagationWarning")
+def test_files_of_a_folder_are_decided_together(tmp_path):
+    """Slices that are no other in the files by themselves, as in the phases of one; names of files
+    that two folders share; and handles."""
+    moved = tubes([{6: 6}] * 3, 3)
+    paths = []
+    for p, home in enumerate(("a", "a", "b")):
+        (tmp_path / "seg" / home).mkdir(parents=True, exist_ok=True)
+        paths.append(tmp_path / "seg" / home / ("late.nii" if p == 1 else "part.nii"))
+        paths[-1].write_bytes(volume_files.nifti(moved[..., p].copy(), THICK))
+    (tmp_path / "whole.nii").write_bytes(volume_files.nifti(moved, THICK))
+    whole, _ = aligned(tmp_path / "whole.nii")
+    listed, said = aligned(paths)
+    assert not said
+    assert [surface.name for surface in listed] == [
+        "a_part label 1",
+        "late label 1",
+        "b_part label 1",
+    ]
+    for one, other in zip(listed, whole):
+        assert np.array_equal(one.vertices, other.vertices)
+    folder, _ = aligned(tmp_path / "seg" / "a")
+    assert [surface.name for surface in folder] == ["late label 1", "part label 1"]
+    results = tmp_path / "results"
+    words = ["run", *paths, "-o", results, "--align-slices", "--frequency", 2, "--no-pictures"]
+    assert command.main([*map(str, words)]) == 0
+    with open(results / "warnings.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["message"] == "slicesAligned"]
+    (text,) = {row["text"] for row in rows}
+    assert "slice 8 by 8.4 mm" in text
+    for thin in (1, -1):
+        path = tmp_path / "spine" / f"thin{thin}.nii"
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(volume_files.nifti(vertebra(thin), np.eye(4)))
+    surfaces = sp.read_label_volume(tmp_path / "spine", handle_repair="Cut").surfaces
+    landmarks = sp.correspond(surfaces, frequency=8).landmarks
+    assert np.linalg.norm(landmarks[0] - landmarks[1], axis=1).mean() < 1.0  # mm
+
+
 def test_slices_of_different_bodies_are_moved_apart(tmp_path):
     """Another patient's files in one series: each has slices of its own out of line."""
     rng = np.random.default_rng(3)
@@ -299,16 +338,16 @@ def test_handles_of_a_sequence_are_removed_at_one_place(tmp_path, repair, apart)
 
 
 def test_the_command_passes_on_what_its_advice_names(tmp_path, capsys):
-    """File by file handles are cut at other places: a note says so, once, and what to do."""
+    """On other grids handles are cut at other places: a note says so, once, and what to do."""
     for i, thin in enumerate((1, -1)):
         path = tmp_path / f"spine_{i}.nii"
-        path.write_bytes(volume_files.nifti(vertebra(thin), np.eye(4)))
+        path.write_bytes(volume_files.nifti(vertebra(thin), np.diag([1 + 0.1 * i] * 3 + [1])))
     out = tmp_path / "out"
     words = ["run", "-o", str(out), "--frequency", "2", "--no-pictures"]
     assert command.main([*words, str(tmp_path / "spine_0.nii"), str(tmp_path / "spine_1.nii")]) == 0
     said = capsys.readouterr().err
     assert said.count("Note: surfaces correspond there only where the same was done") == 1
-    assert "(4D, or --file-series)" in said and "choose --handle-repair:" in said
+    assert "(4D, or several files)" in said and "choose --handle-repair:" in said
     assert "handlesElsewhere" in (out / "warnings.csv").read_text()
     series = [*words, str(tmp_path / "spine_0.nii"), "--file-series", "--align-slices"]
     assert command.main([*series, "--handle-repair", "Fill", "--longest-gap", "3"]) == 0

@@ -144,11 +144,12 @@ void VolumeSequence::removeOpenHandles(const Progress& progress) {
     const Stopwatch stopwatch;
     const WorkingVolume& volume = *phase->volume;
     const Progress step = part(progress, 0.7 * share(done), 0.7 * share(done + 1));
+    const bool together = common_.phases() > 1 && phase->place;
+    phase->volume->surface.handlesAlone = !together;
     phase->removal =
-        common_.phases() > 1 && phase->place
-            ? findHandleRemoval(volume.mask, common_.at(*phase->place, volume.mask.size), wanted,
-                                step)
-            : findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
+        together ? findHandleRemoval(volume.mask, common_.at(*phase->place, volume.mask.size),
+                                     wanted, step)
+                 : findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
     ++done;
     phase->seconds += stopwatch.seconds();
     if (!phase->removal.canFill) continue;
