@@ -143,7 +143,9 @@ def _run_files(
             paths[0] if len(paths) == 1 else [path for path, _ in volumes], **choices.volume
         )
         for surface in volume.surfaces:
-            of_volumes.setdefault(surface.name.rsplit(" label ", 1)[0], []).append(surface)
+            called = surface.name.rsplit(" label ", 1)[0]
+            # A series has more names than the file that stands for it.
+            of_volumes.setdefault(names[0] if len(paths) == 1 else called, []).append(surface)
         # Some may have been skipped.
         phases = volume.figures["phase"] if len(paths) == 1 else None
     for path, called in zip(paths, names):
