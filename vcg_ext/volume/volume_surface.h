@@ -39,11 +39,11 @@ struct VolumeSurface {
   std::vector<UnevenSlice> unevenSlices;
   std::vector<int> apartSlices;  ///< indices of those that lie otherwise than in the other phases
                                  ///< of the sequence (PhaseAlignment)
-  int sliceSequence = 0;               ///< as PhaseAlignment::sequence
-  double seconds = 0;                  ///< that VolumeSequence spent on it, apart from `add`
-  std::vector<int> slices;             ///< indices of those with a label
-  RemovedHandles handles;              ///< of the working grid
-  bool handlesAlone = true;            ///< where they were removed was decided without other phases
+  int sliceSequence = 0;         ///< as PhaseAlignment::sequence
+  double seconds = 0;            ///< that VolumeSequence spent on it, apart from `add`
+  std::vector<int> slices;       ///< indices of those with a label
+  RemovedHandles handles;        ///< of the working grid
+  bool handlesAlone = true;      ///< where they were removed was decided without other phases
   std::vector<HandlePlace> handlePlaces;  ///< groups of changed voxels, the largest first
 };
 
