@@ -335,6 +335,17 @@ def volume_file(thing: Any) -> Iterator[Tuple[str, str]]:
         yield str(path), volume.name
 
 
+def is_label_volume(thing: Any) -> bool:
+    """Whether it is a file of labels, an image, or (labels, affine), and no mesh."""
+    if is_path(thing):
+        from . import files
+
+        return files.is_label_volume(thing)
+    if isinstance(thing, tuple):
+        return len(thing) == 2 and np.ndim(thing[0]) > 2
+    return any(adapt(thing) is not None for adapt in (_simpleitk, _itk, _ants, _with_affine))
+
+
 def volume_of(thing: Any) -> Volume:
     """The label volume that an object of another library is. Raises InputError for everything
     else."""

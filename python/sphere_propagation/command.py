@@ -26,6 +26,7 @@ from . import (
     progress,
     readers,
     report,
+    statismo,
     units,
     version,
 )
@@ -185,6 +186,7 @@ def _fit(options, make_progress) -> int:
         alignment=options.alignment,
         modes=options.modes,
         local_deviation=not options.modes_only,
+        label=options.label,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
@@ -197,7 +199,11 @@ def _info(options, make_progress) -> int:
         name: "installed"
         if find_spec(name)
         else f"not installed (pip install 'sphere-propagation[{extra}]')"
-        for extra, names in (("pictures", pictures.NEEDED), ("surfaces", readers.NEEDED))
+        for extra, names in (
+            ("pictures", pictures.NEEDED),
+            ("surfaces", readers.NEEDED),
+            ("models", statismo.NEEDED),
+        )
         for name in names
     }
     before = "loaded before this package"
@@ -480,10 +486,25 @@ def parser() -> argparse.ArgumentParser:
         **_examples(
             ("sphere-propagation fit results/heart/model.npz new.ply", "one patient"),
             ("sphere-propagation fit model.npz patients -o fits", "a folder of them"),
+            ("sphere-propagation fit model.npz seg.nii.gz --label 2", "a segmentation"),
         ),
     )
-    fit.add_argument("model", metavar="MODEL", help="model.npz, as `run` leaves it")
-    fit.add_argument("surfaces", nargs="+", metavar="FILE", help="meshes, or folders of them")
+    fit.add_argument(
+        "model",
+        metavar="MODEL",
+        help="model.npz, as `run` leaves it; or .h5 and .json of statismo and scalismo",
+    )
+    fit.add_argument(
+        "surfaces", nargs="+", metavar="FILE", help="meshes, label volumes, or folders of them"
+    )
+    fit.add_argument(
+        "--label",
+        "--labels",
+        metavar="LIST",
+        default="1",
+        help='of label volumes: the label, or several to be united, as "1,2" (default: '
+        "%(default)s)",
+    )
     fit.add_argument(
         "-o",
         "--output",

@@ -6,21 +6,22 @@ from __future__ import annotations
 
 import csv
 import tempfile
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
-from . import layers
+from . import adapters, files, filters, layers
 from .errors import InputError
-from .files import read_meshes, write_ply
+from .files import write_ply
 from .model import ShapeModel
 from .model_files import read_model
 from .parameters import NAMED, path_of, whole_number
 from .results import ResultFolder
 from .sphere_map import SphereMap
-from .surface import SurfaceLike, array_of, as_surface, distinct_names
+from .surface import Surface, SurfaceLike, array_of, as_surface
 
 FIT = "compute_shape_model_fit"
 POSES = NAMED["pose"]
@@ -77,13 +78,16 @@ def fit(
     alignment: str = "As the model",
     modes: int = 0,
     local_deviation: bool = True,
+    label: Union[str, int, Sequence[int]] = 1,
     export_file: str = "",
     threads: int = 0,
 ) -> Fit:
     """Fits a shape model to a surface that it was not built from: closed or open, whole or a part,
     in the model's unit, faces outside counter-clockwise.
 
-    model: a ShapeModel, or its file (.npz). surface: one, as everywhere.
+    model: a ShapeModel, or its file (.npz; .h5 and .json of statismo and scalismo). surface: one,
+    as everywhere; or a label volume, as read_label_volume takes it, of one phase: then the surface
+    of its `label` in mm, in RAS.
     anchors: what is known of where landmarks lie, {landmark: (x, y, z)}; anchor_sd: how far off,
     per coordinate, 0 for the surface's mean edge.
     pose: "Search" from anywhere, "As it lies" in the model's frame, or by "Anchors", three or more.
@@ -96,8 +100,32 @@ def fit(
     Warns (SpherePropagationWarning) where the model does not come near much of the surface, or the
     shape is unlike all training shapes.
     """
+    with _prepared(model) as prepared:
+        return _fit(
+            prepared,
+            _surface_of(surface, label),
+            anchors=anchors,
+            anchor_sd=anchor_sd,
+            pose=pose,
+            alignment=alignment,
+            modes=modes,
+            local_deviation=local_deviation,
+            export_file=str(path_of(export_file)) if export_file else "",
+            threads=threads,
+        )
+
+
+class _Prepared(NamedTuple):
+    """A model where the filter finds it."""
+
+    shapes: ShapeModel
+    folder: Path
+    file: Path
+
+
+@contextmanager
+def _prepared(model: ModelLike) -> Iterator[_Prepared]:
     shapes = model if isinstance(model, ShapeModel) else read_model(model)
-    given = as_surface(surface)
     with tempfile.TemporaryDirectory(prefix="sphere-propagation-") as folder:
         file = Path(folder) / "model.npz"
         np.savez(
@@ -107,21 +135,34 @@ def fit(
             eigenvalues=np.ascontiguousarray(shapes.eigenvalues, float),
             scores=np.ascontiguousarray(shapes.scores, float),
             faces=np.ascontiguousarray(shapes.faces, np.int32),
+            noise_variance=np.float64(shapes.noise_variance),
         )
-        meshes = layers.mesh_set([given])
-        returned = layers.apply(
-            meshes,
-            FIT,
-            model_file=str(file),
-            pose=pose,
-            alignment=alignment,
-            modes=modes,
-            local_deviation=local_deviation,
-            anchor_file=_anchor_file(Path(folder), anchors, len(shapes.mean)),
-            anchor_sd=anchor_sd,
-            export_file=str(path_of(export_file)) if export_file else "",
-            threads=threads,
+        yield _Prepared(shapes, Path(folder), file)
+
+
+def _surface_of(surface: SurfaceLike, label) -> Surface:
+    if not adapters.is_label_volume(surface):
+        return as_surface(surface)
+    found = filters.read_label_volume(surface, labels=label).surfaces
+    if len(found) > 1:
+        raise InputError(
+            f"The label volume has {len(found)} phases, and one surface is fitted at a time: fit "
+            "each of sp.read_label_volume(volume, labels=1).surfaces."
         )
+    return found[0]
+
+
+def _fit(prepared: _Prepared, given: Surface, *, anchors=None, **parameters) -> Fit:
+    """parameters: the filter's."""
+    shapes = prepared.shapes
+    meshes = layers.mesh_set([given])
+    returned = layers.apply(
+        meshes,
+        FIT,
+        model_file=str(prepared.file),
+        anchor_file=_anchor_file(prepared.folder, anchors, len(shapes.mean)),
+        **parameters,
+    )
     fitted = meshes.mesh(meshes.mesh_number() - 1)
     count = len(shapes.mean)
     sphere = None
@@ -147,61 +188,87 @@ def fit(
     )
 
 
-def fit_files(model, surfaces, folder, say: Callable[[str], None], **choices) -> List[str]:
-    """fit() for files, or folders of them: NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv
-    with a row each. choices: of fit(); words may have hyphens. Returns what lies in the folder."""
+def fit_files(
+    model, surfaces, folder, say: Callable[[str], None], *, label=1, **choices
+) -> List[str]:
+    """fit() for files, or folders of them, meshes and label volumes, each phase of these:
+    NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. choices: of the filter;
+    words may have hyphens. Returns what lies in the folder."""
     for key in ("pose", "alignment"):
         words = (
             value for value in (*POSES, *SIZES) if value.lower().replace(" ", "-") == choices[key]
         )
         choices[key] = next(words, choices[key])
-    shapes = read_model(model)
-    found = read_meshes(*surfaces)
+    found = list(_surfaces_of(files.input_files(*surfaces), label))
+    files.warn_of_frames(found)
     results = ResultFolder(folder)
-    results.create()
     names = ("surface_distance", "noise", "deviation", "percentile", "unseen", "unexplained")
-    rows = [["surface", *names, "map", *(f"score_{m + 1}" for m in range(len(shapes.modes)))]]
-    for surface, name in zip(found, distinct_names(found)):
-        got = fit(shapes, surface, **choices)
-        results.write(
-            f"{name}_fit.ply",
-            lambda path, got=got: write_ply(
-                path, got.points, got.faces, scalars={"quality": got.sd}
-            ),
-        )
-        results.write(
-            f"{name}_fit.npz",
-            lambda path, got=got: np.savez(
-                path,
-                landmarks=got.points,
-                sd=got.sd,
-                covariance=got.covariance,
-                scores=got.scores,
-                score_sd=got.score_sd,
-                pose=got.pose,
-                faces=got.faces,
-            ),
-        )
-        if got.map is not None:
-            results.write(
-                f"{name}.ply",
-                lambda path, got=got, surface=surface: write_ply(
-                    path, surface.vertices, surface.faces, texture=got.map.texture
-                ),
-            )
-        values = [*(got.figures[key] for key in names), int(got.map is not None), *got.scores]
-        rows.append([name, *(f"{value:.9g}" for value in values)])
-        say(
-            f"{name}: {got.figures['surface_distance']:.3g} from the surface, deviation "
-            f"{got.figures['deviation']:.3g}, more than {got.figures['percentile']:.0f} % of the "
-            f"training shapes{'' if got.map is None else ', map certified'}"
-        )
+    with _prepared(model) as prepared:
+        results.create()
+        modes = range(len(prepared.shapes.modes))
+        rows = [["surface", *names, "map", *(f"score_{m + 1}" for m in modes)]]
+        for surface in found:
+            rows.append(_fit_file(prepared, surface, results, say, names, choices))
     results.write("fits.csv", lambda path: _write_table(path, rows))
     return [
         "fits.csv: a row for each surface: distance, deviation, scores",
         "*_fit.ply, *_fit.npz: the fitted shapes with the standard deviation of each landmark",
         "the surfaces themselves, as *.ply with their maps, where they are closed",
     ]
+
+
+def _fit_file(
+    prepared: _Prepared,
+    surface: Surface,
+    results: ResultFolder,
+    say: Callable[[str], None],
+    figures: Sequence[str],
+    choices,
+) -> List[str]:
+    """Its row of the table."""
+    name = surface.name
+    found: List[Fit] = []
+    results.write(
+        f"{name}_fit.npz",
+        lambda path: found.append(_fit(prepared, surface, export_file=str(path), **choices)),
+    )
+    got = found[0]
+    results.write(
+        f"{name}_fit.ply",
+        lambda path: write_ply(path, got.points, got.faces, scalars={"quality": got.sd}),
+    )
+    if got.map is not None:
+        results.write(
+            f"{name}.ply",
+            lambda path: write_ply(path, surface.vertices, surface.faces, texture=got.map.texture),
+        )
+    say(
+        f"{name}: {got.figures['surface_distance']:.3g} from the surface, deviation "
+        f"{got.figures['deviation']:.3g}"
+        + (
+            f", more than {got.figures['percentile']:.0f} % of the training shapes"
+            if np.isfinite(got.figures["percentile"])
+            else ""
+        )
+        + ("" if got.map is None else ", map certified")
+    )
+    values = [*(got.figures[key] for key in figures), int(got.map is not None), *got.scores]
+    return [name, *(f"{value:.9g}" for value in values)]
+
+
+def _surfaces_of(paths: Sequence[Path], label) -> Iterator[Surface]:
+    """Those in the files, one after the other, by names that differ."""
+    for path, name in zip(paths, files.names_of(paths)):
+        if not files.is_label_volume(path):
+            yield replace(files.read_mesh(path), name=name)
+            continue
+        stem = files.stem_of(path)
+        found = filters.read_label_volume(path, labels=label).surfaces
+        for surface in found:
+            called = surface.name
+            if called.startswith(stem):
+                called = name + called[len(stem) :]
+            yield replace(surface, name=called if len(found) > 1 else name)
 
 
 def _write_table(path: Path, rows: List[List[str]]) -> None:

@@ -27,6 +27,8 @@ class ShapeModel:
     generalisation_error, specificity, specificity_error.
     lid: boolean, one per landmark that there was: True for those which the model leaves out, since
     they lie on lids; landmark j of the model is the j-th False one.
+    noise_variance: per coordinate, of what the modes leave out, as models of statismo have it; 0
+    where that is not known.
     """
 
     mean: np.ndarray
@@ -38,6 +40,7 @@ class ShapeModel:
     total_variance: float
     figures: Dict[str, np.ndarray]
     lid: Optional[np.ndarray] = None
+    noise_variance: float = 0.0
 
     @property
     def compactness(self) -> np.ndarray:

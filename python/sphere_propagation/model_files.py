@@ -9,6 +9,7 @@ from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 
+from . import statismo
 from .errors import FileError
 from .model import ShapeModel
 from .parameters import path_of
@@ -17,11 +18,13 @@ NEEDED = ("mean", "modes", "eigenvalues", "scores", "faces")
 
 
 def read_model(path) -> ShapeModel:
-    """A shape model as `shape_model(export_file="model.npz")` and `run` leave it.
+    """A shape model as `shape_model(export_file="model.npz")` and `run` leave it (.npz), or as
+    statismo and scalismo write it: .h5 (by h5py, the extra `models`) and .json.
 
     The file says nothing of names, which are those in landmarks.npz beside it, where `run` put it,
     else "shape 0" and so on; nor of modes that were left out: total_variance is that of its own,
-    and compactness and variance_share are all figures.
+    and compactness and variance_share are all figures. Models of other programs have no training
+    shapes, as a rule: then scores are (0, M). Triangles of theirs are taken as they are, outwards.
     """
     path = path_of(path)
     found = _arrays(path)
@@ -66,6 +69,7 @@ def read_model(path) -> ShapeModel:
         total,
         {"compactness": compactness, "variance_share": compactness / (total or 1.0)},
         found.get("lid"),
+        float(found["noise_variance"]) if "noise_variance" in found else 0.0,
     )
 
 
@@ -80,6 +84,9 @@ def beside(path: Path) -> Tuple[List[str], Optional[str]]:
 
 
 def _arrays(path: Path) -> Dict[str, np.ndarray]:
+    if path.is_file() and statismo.is_statismo(path):
+        found = statismo.read(path)._asdict()
+        return {name: np.asarray(values) for name, values in found.items()}
     try:
         with np.load(path) as file:  # which unpickles nothing
             return {name: file[name] for name in file.files}

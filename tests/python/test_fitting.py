@@ -3,6 +3,7 @@
 
 import csv
 
+import nibabel
 import numpy as np
 import pytest
 import sphere_propagation as sp
@@ -107,6 +108,36 @@ def test_the_command_fits_a_folder(cycle, model, tmp_path, capsys, monkeypatch):
     assert sp.read_map("out/p1.ply").positions.shape == cycle.surfaces[1].vertices.shape
     # And again, in the same folder.
     assert command.main(["fit", "model.npz", "patients", "-o", "out", "--modes-only"]) == 0
+
+
+def test_a_label_volume_is_a_surface(cycle, model, tmp_path, capsys, monkeypatch):
+    """The scan of the third phase, in slices 8 mm apart, as a file and as an array with its
+    affine."""
+    labels, affine = sp.Ventricle("Cavity", len(cycle.landmarks), 0).scan()
+    one = np.where(labels[..., 2] == 1, np.uint8(3), np.uint8(0)), affine
+    nibabel.save(nibabel.Nifti1Image(*one), tmp_path / "scan.nii.gz")
+    surface = sp.read_label_volume(one, labels=3).surfaces[0]
+    right = sp.fit(model, surface, pose="As it lies")
+    for volume in (one, str(tmp_path / "scan.nii.gz"), nibabel.Nifti1Image(*one)):
+        fit = sp.fit(model, volume, label=3, pose="As it lies")
+        assert np.allclose(fit.points, right.points, atol=1e-3)
+        assert fit.map is not None and fit.map.figures["flipped_faces"] == 0
+    assert error(right.points, cycle.landmarks[2]) < 5  # slices 8 mm apart
+    with pytest.raises(sp.FilterError, match="label"):
+        sp.fit(model, one, label=1)
+    with pytest.raises(sp.InputError, match="6 phases"):
+        sp.fit(model, (labels, affine))
+    # On the command line each phase of a volume is fitted.
+    monkeypatch.chdir(tmp_path)
+    sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment="None", export_file="model.npz")
+    some = np.where(labels[..., 1:3] == 1, np.uint8(3), np.uint8(0))
+    nibabel.save(nibabel.Nifti1Image(some, affine), "two.nii.gz")
+    assert command.main(["fit", "model.npz", "two.nii.gz", "scan.nii.gz", "--label", "3"]) == 0
+    with open("fit/fits.csv", newline="") as file:
+        names = [row["surface"] for row in csv.DictReader(file)]
+    assert len(names) == 3 and names[2] == "scan"
+    assert all(name.startswith("two") for name in names[:2])
+    assert "scan: " in capsys.readouterr().out
 
 
 def test_choices_are_spelt_as_the_filter_has_them():

@@ -74,7 +74,7 @@ def test_metadata_suits_pip(environment):
         "from importlib.metadata import metadata\n"
         "print(metadata('sphere-propagation').get_all('Provides-Extra'))",
     )
-    assert "'surfaces'" in extras and "'pictures'" in extras
+    assert all(f"'{extra}'" in extras for extra in ("surfaces", "pictures", "models"))
     about = environment.run("pip", "show", "sphere-propagation")
     assert f"Version: {VERSION}\n" in about and re.search(r"Requires: numpy, pymeshlab\n", about)
 
