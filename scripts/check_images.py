@@ -38,6 +38,8 @@ def sources(picture: str):
         return ("scripts/draw-levels",)
     if picture.startswith("heart_"):
         return (*HEART, *MAPS)
+    if picture == "fitting":
+        return ("scripts/draw-fitting", *MAPS)
     if picture == "explore":
         return ("scripts/draw-explorer", *EXPLORER)
     if picture in ("modes", "model"):

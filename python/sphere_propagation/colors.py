@@ -11,11 +11,15 @@ def place_colors(longitude, latitude, amplitude: float = 0.45) -> np.ndarray:
     longitude (in turns) and fades towards the poles, light in the north, dark in the south
     (latitude in quarter turns). So drift in any direction shows, round the axis as well."""
     longitude, latitude = np.asarray(longitude, float), np.asarray(latitude, float)
-    turns = longitude[..., None] - np.array([0.02, 0.36, 0.66])
-    hue = 0.98 - amplitude + amplitude * np.cos(2 * np.pi * turns)
-    pole = np.where(latitude > 0, 0.98, 0.40)[..., None]
-    fading = np.abs(latitude)[..., None] ** 3
-    return (1 - fading) * hue + fading * pole
+    near = np.abs(latitude)
+    fading, pole = near * near * near, np.where(latitude > 0, 0.98, 0.40)
+    colors = np.empty((*np.broadcast_shapes(longitude.shape, latitude.shape), 3))
+    for k, start in enumerate(
+        (0.02, 0.36, 0.66)
+    ):  # red, green, blue: numpy is slow along short axes
+        hue = 0.98 - amplitude + amplitude * np.cos(2 * np.pi * (longitude - start))
+        colors[..., k] = (1 - fading) * hue + fading * pole
+    return colors
 
 
 def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.ndarray:
@@ -31,7 +35,10 @@ def map_colors(longitude, latitude, cells: int = 8, shade: float = 0.5) -> np.nd
     dark = (
         np.floor(longitude % 1 * around) + np.floor((1 - latitude) / 2 * cells * (1 - 1e-12))
     ) % 2
-    return place_colors(longitude, latitude, 0.32) * (1 - shade * dark[..., None])
+    colors, light = place_colors(longitude, latitude, 0.32), 1 - shade * dark
+    for k in range(3):
+        colors[..., k] *= light
+    return colors
 
 
 def sphere_coordinates(positions: np.ndarray):

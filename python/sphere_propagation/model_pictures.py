@@ -15,7 +15,9 @@ from .pictures import (
     PUBLISHED,
     ROBUST,
     Scene,
-    matplotlib_pyplot,
+    new_figure,
+    panel_title,
+    panels,
     quiet_axes,
     save,
     soft_normals,
@@ -100,14 +102,13 @@ def modes(
         colors = displacement_colors(moved[key], reach)
         panel.surface(shape, model.faces, colors, soft_normals(shape, model.faces))
 
-    plt = matplotlib_pyplot()
     cells = 3 * max(shown, 1)
     ratio = extent[1] / extent[0]
     width = 1.5 * cells + 0.5
     picture = (width - 0.5) / cells * ratio
     top, bottom = 1.0, 1.2
-    figure = plt.figure(figsize=(width, picture + top + bottom), dpi=130, facecolor="white")
     height = picture + top + bottom
+    figure = new_figure(width, height)
     figure.text(
         0.25 / width,
         1 - 0.3 / height,
@@ -169,10 +170,9 @@ def modes(
 def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     """Compactness, generalisation and specificity by number of modes, with their standard
     errors."""
-    plt = matplotlib_pyplot()
-    figure, axes = plt.subplots(1, 3, figsize=(13.6, 4.3), dpi=130)
+    figure, axes = panels(13.6, 4.3, (1, 1, 1))
     count = np.arange(1, len(model.modes) + 1)
-    panels = (
+    drawn = (
         (
             "Compactness",
             "share of the variance, %",
@@ -195,7 +195,7 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
             PUBLISHED,
         ),
     )
-    for axis, (title, label, values, error, color) in zip(axes, panels):
+    for axis, (title, label, values, error, color) in zip(axes, drawn):
         if error is not None:
             axis.fill_between(count, values - error, values + error, color=color, alpha=0.18, lw=0)
         axis.plot(count, values, color=color, lw=2.2, marker="o", ms=4)
@@ -204,7 +204,6 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
         axis.set_ylim(0, 105 if error is None else 1.15 * (values + error).max())
         axis.xaxis.get_major_locator().set_params(integer=True)
         quiet_axes(axis)
-    figure.tight_layout(w_pad=2.5)
     save(figure, path)
 
 
@@ -221,18 +220,9 @@ def scores(row: Row, model: ShapeModel, path, *, shown: int = 3) -> None:
 
 
 def _scores_of_phases(row: Row, units, labels, names, path) -> None:
-    plt = matplotlib_pyplot()
     closed, phases = row.result.order == "Cyclic time", np.asarray(row.numbers())
     plane = units.shape[1] > 1
-    figure, axes = plt.subplots(
-        1,
-        1 + plane,
-        figsize=(12.8 if plane else 7.6, 4.6),
-        dpi=130,
-        squeeze=False,
-        gridspec_kw={"width_ratios": (1.45, 1)[: 1 + plane]},
-    )
-    over, *rest = axes[0]
+    figure, (over, *rest) = panels(12.8 if plane else 7.6, 4.6, (1.45, 1)[: 1 + plane])
     for m, label in enumerate(labels):
         color = MODE_COLORS[m % 3]
         over.plot(phases, units[:, m], color=color, lw=2.2, marker="o", ms=4, label=label)
@@ -263,12 +253,15 @@ def _scores_of_phases(row: Row, units, labels, names, path) -> None:
         _titles(axis, "Path through the first two modes", *PLANE)
         axis.margins(0.12)
         quiet_axes(axis, both=True)
-        key = figure.colorbar(dots, ax=axis, pad=0.03, fraction=0.05)
+        inch = 1 / figure.get_figwidth()
+        left, below, across, up = axis.get_position().bounds
+        axis.set_position([left, below, across - 0.72 * inch, up])
+        bar = figure.add_axes([left + across - 0.6 * inch, below, 0.18 * inch, up])
+        key = figure.colorbar(dots, cax=bar)
         key.set_label("phase", fontsize=11, color=GREY)
         key.ax.yaxis.get_major_locator().set_params(integer=True)
         key.ax.tick_params(colors=GREY, length=0)
         key.outline.set_visible(False)
-    figure.tight_layout(w_pad=2.5)
     for axis in rest:
         step = max(1, len(phases) // 6)
         named = range(0, len(phases) - step // 2, step)
@@ -281,12 +274,10 @@ BY_NAME = 48  # so many shapes have room for their names
 
 
 def _scores_of_shapes(row: Row, units, labels, names, path) -> None:
-    plt = matplotlib_pyplot()
     plane, few = units.shape[1] > 1, len(names) <= BY_NAME
     height = max(4.6, 1.5 + 0.24 * len(names)) if few else 4.6
-    figure, axes = plt.subplots(
-        1, 1 + plane, figsize=(12.8 if plane else 7.6, height), dpi=130, squeeze=False
-    )
+    figure = new_figure(12.8 if plane else 7.6, height)
+    axes = figure.subplots(1, 1 + plane, squeeze=False)
     left, *rest = axes[0]
     if few:
         place = np.arange(len(names))[::-1]
@@ -333,7 +324,7 @@ def _name_points(axis, points: np.ndarray, names: Sequence[str], order, size: fl
     renderer, unit = axis.figure.canvas.get_renderer(), axis.figure.dpi / 72
     frame, at, taken = axis.get_window_extent(renderer), axis.transData.transform(points), []
     for i in order:
-        text = axis.annotate(names[i], points[i], textcoords="offset points", fontsize=size)
+        text = axis.annotate(names[i], points[i], (0, 0), textcoords="offset points", fontsize=size)
         extent = text.get_window_extent(renderer)
         places = []
         for right, above in ((1, 1), (0, 1), (1, 0), (0, 0)):
@@ -374,8 +365,7 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
 
 
 def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
-    plt = matplotlib_pyplot()
-    figure, axis = plt.subplots(figsize=(8.6, 4.3), dpi=130)
+    figure, (axis,) = panels(8.6, 4.3)
     phases = row.numbers()
     label = f"{row.title}" if truth is not None else None
     axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=label)
@@ -405,17 +395,14 @@ def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
     if truth is not None:
         axis.legend(fontsize=10.5, loc="lower left", labelcolor=INK, frameon=False)
     quiet_axes(axis)
-    figure.tight_layout()
     save(figure, path)
 
 
 def _volumes_of_shapes(row: Row, values, unit: str, path) -> None:
-    plt = matplotlib_pyplot()
     names = [surface.name for surface in row.result.surfaces]
     few = len(names) <= BY_NAME
-    figure, axis = plt.subplots(
-        figsize=(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3), dpi=130
-    )
+    figure = new_figure(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3)
+    axis = figure.subplots()
     if few:
         place = np.arange(len(names))[::-1]
         axis.barh(place, values, height=0.62, color=ROBUST)
@@ -430,6 +417,6 @@ def _volumes_of_shapes(row: Row, values, unit: str, path) -> None:
 
 
 def _titles(axis, title: str, x: str, y: str) -> None:
-    axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold")
+    panel_title(axis, title)
     axis.set_xlabel(x, fontsize=11, color=GREY)
     axis.set_ylabel(y, fontsize=11, color=GREY)

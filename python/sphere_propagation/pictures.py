@@ -28,7 +28,8 @@ if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     # No display: say so instead of trying one.
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-WIDTH, MAX_HEIGHT = 1600, 640  # pixels: of a picture, of one surface in it
+# Pixels: of a picture, which the report shows 1124 wide, and of one surface in it.
+WIDTH, MAX_HEIGHT = 1280, 512
 COLUMNS = 6  # of surfaces in a picture
 # Pictures are rendered so many times as wide and high, and reduced: without a graphics card that
 # takes half the time of the renderer's own anti-aliasing.
@@ -98,7 +99,7 @@ def maps_on_surfaces(rows: Sequence[Row], path, columns: int = COLUMNS) -> None:
 
 def root_and_sphere(rows: Sequence[Row], path) -> None:
     """Each root beside its sphere, both with the sphere's latitudes and longitudes."""
-    size = 560
+    size = 440
     scene, places = Scene(size * 2 * len(rows), size), []
     for row in rows:
         result = row.result
@@ -135,16 +136,13 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
     """Error against known material points, one panel per row; `errors`: method -> mm per phase, one
     dict per row."""
-    plt = matplotlib_pyplot()
-    figure, axes = plt.subplots(
-        1, len(rows), figsize=(5.2 * len(rows) + 0.6, 4.2), dpi=200, sharey=True, squeeze=False
-    )
+    figure, axes = panels(5.2 * len(rows) + 0.6, 4.2, (1,) * len(rows), dpi=200, sharey=True)
     top = max(values.max() for found in errors for values in found.values())
-    for axis, row, found in zip(axes[0], rows, errors):
+    for axis, row, found in zip(axes, rows, errors):
         for (method, values), color in zip(found.items(), (ROBUST, PUBLISHED)):
             label = f"{method}: {values.max():.1f} mm worst, {values.mean():.1f} mm mean"
             axis.plot(values, color=color, lw=2.4, marker="o", ms=4, label=label)
-        axis.set_title(row.title, fontsize=13, color=INK, loc="left", weight="bold")
+        panel_title(axis, row.title)
         axis.set_xlabel("phase", fontsize=11, color=GREY)
         axis.set_xlim(-0.5, len(values) - 0.5)
         axis.set_ylim(0, 1.3 * top)
@@ -159,10 +157,9 @@ def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None
             framealpha=1,
             edgecolor="white",
         )
-    axes[0][0].set_ylabel(
+    axes[0].set_ylabel(
         "mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY
     )
-    figure.tight_layout(w_pad=2.5)
     save(figure, path)
 
 
@@ -208,7 +205,6 @@ def _surfaces(rows, path, columns, draw, title, key=False):
 
 def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = False):
     """Rows of images with captions on one white page."""
-    plt = matplotlib_pyplot()
     gap, line, margin, header = 26, 54, 40, 110
     footer = 150 if key else 40
     width = (
@@ -222,7 +218,7 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
     heights = [row[0].shape[0] + line + (line if name else 0) for row, name in zip(panels, named)]
     height = header + sum(heights) + gap * (len(panels) - 1) + footer
     dpi = 200
-    figure = plt.figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor="white")
+    figure = new_figure(width / dpi, height / dpi, dpi)
     points = 72 / dpi  # per pixel
 
     def text(x, y, words, size, **style):
@@ -282,22 +278,66 @@ def _spacing(result: Correspondence) -> float:
     return float(np.median(np.linalg.norm(points[faces[:, 0]] - points[faces[:, 1]], axis=1)))
 
 
-def matplotlib_pyplot():
-    import matplotlib
+def new_figure(width: float, height: float, dpi: float = 130):
+    """An empty one; in inches. Without pyplot, which is for figures on the screen."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
 
-    return plt
+
+MARGINS = (1.06, 0.22, 0.62, 0.46)  # inches: left, right, below and above a panel with axes
+
+
+def panels(
+    width: float,
+    height: float,
+    widths: Sequence[float] = (1,),
+    *,
+    dpi: float = 130,
+    sharey: bool = False,
+):
+    """A figure of so many inches, and axes side by side in it, with so wide parts of it each. The
+    margins have room for titles, labels and numbers of five digits: finding them by layout would
+    take as long as drawing."""
+    left, right, below, above = MARGINS
+    figure, axes, start = new_figure(width, height, dpi), [], 0.0
+    for part in widths:
+        share = part / sum(widths)
+        place = [
+            start + left / width,
+            below / height,
+            share - (left + right) / width,
+            1 - (below + above) / height,
+        ]
+        axes.append(figure.add_axes(place, sharey=axes[0] if axes and sharey else None))
+        start += share
+    return figure, axes
 
 
 def save(figure, paths) -> None:
     """Writes a figure to a file, or to several; the endings choose the formats (png, svg, pdf)."""
+    from PIL import Image
+
     for path in [paths] if isinstance(paths, (str, os.PathLike)) else paths:
-        # Quickly: the usual compression would take as long as drawing, for a tenth of the size.
-        quick = {"pil_kwargs": {"compress_type": zlib.Z_RLE}} if str(path).endswith(".png") else {}
-        figure.savefig(path, facecolor="white", **quick)
-    matplotlib_pyplot().close(figure)
+        if not str(path).endswith(".png"):
+            figure.savefig(path, facecolor="white")
+            continue
+        # Opaque, and quickly: the usual compression would take as long as drawing, for a tenth of
+        # the size.
+        figure.canvas.draw()
+        image = Image.frombuffer(
+            "RGBA", figure.canvas.get_width_height(), figure.canvas.buffer_rgba()
+        )
+        dots = (figure.dpi, figure.dpi)
+        image.convert("RGB").save(path, dpi=dots, compress_type=zlib.Z_RLE)
+
+
+def panel_title(axis, title: str) -> None:
+    """At its place: finding one above the ticks would measure every one of them."""
+    axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold", y=1)
 
 
 def quiet_axes(axis, both: bool = False) -> None:
@@ -345,7 +385,7 @@ class Scene:
             )
         image = window.picture(FINER * self.width, FINER * self.height, self.width, self.height)
         window.renderer.RemoveAllViewProps()
-        return np.asarray(Image.fromarray(image).reduce(FINER))
+        return np.asarray(Image.fromarray(image).reduce(FINER))[::-1]
 
 
 class _Window:
@@ -375,10 +415,7 @@ class _Window:
         self.window.AddRenderer(self.renderer)
 
     def picture(self, across: int, down: int, width: float, height: float) -> np.ndarray:
-        """In so many pixels, of what lies from (0, 0) to (width, -height)."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
+        """In so many pixels, of what lies from (0, 0) to (width, -height); the lowest row first."""
         far = 10.0 * max(width, height)
         camera = self.renderer.GetActiveCamera()
         camera.SetFocalPoint(width / 2, -height / 2, 0)
@@ -387,11 +424,18 @@ class _Window:
         camera.SetParallelProjection(True)
         camera.SetParallelScale(height / 2)
         camera.SetClippingRange(0.01 * far, 2 * far)
+        return self.pixels(across, down)
+
+    def pixels(self, across: int, down: int) -> np.ndarray:
+        """What is in the window, the lowest row first."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
         self.window.SetSize(across, down)
         self.window.Render()
         pixels = vtkUnsignedCharArray()
         self.window.GetPixelData(0, 0, across - 1, down - 1, 0, pixels, 0)
-        return vtk_to_numpy(pixels).reshape(down, across, 3)[::-1]
+        return vtk_to_numpy(pixels).reshape(down, across, 3)
 
 
 @lru_cache(maxsize=1)
@@ -473,16 +517,18 @@ class Panel(NamedTuple):
 
     def surface(self, vertices, faces, colors, normals) -> None:
         """With colours and normals per vertex."""
-        seen = vertices @ self.rotation.T - self.center
-        self._add(_Kind(), seen, faces, normals @ self.rotation.T, _bytes(colors))
+        placed = self._placed(vertices)
+        seen = _facing(placed, faces)
+        self._add(_Kind(), placed, seen, normals @ self.rotation.T, _bytes(colors))
 
     def checkerboard(self, vertices, faces, positions, normals) -> None:
         """A surface, or the sphere itself, with its map's latitudes and longitudes."""
-        seen = vertices @ self.rotation.T - self.center
-        normals = normals @ self.rotation.T
+        placed, normals = self._placed(vertices), normals @ self.rotation.T
+        faces = _facing(placed, faces)
         # Longitudes make no sense at the poles: caps have charts of their own. Each triangle gets
         # corners of its own, since longitudes jump at the date line.
-        height = positions[faces].mean(1)[:, 2]
+        longitude, latitude = sphere_coordinates(positions)
+        height = positions[faces, 2].mean(1)
         for chart, taken in (
             (BELT, np.abs(height) < CAP),
             (NORTH, height >= CAP),
@@ -490,33 +536,40 @@ class Panel(NamedTuple):
         ):
             corners = faces[taken].ravel()
             if len(corners):
-                at = _chart_coordinates(chart, positions[corners])
+                at = _chart_coordinates(chart, longitude[corners], latitude[corners])
                 alone = np.arange(len(corners)).reshape(-1, 3)
-                self._add(_Kind(chart), seen[corners], alone, normals[corners], at)
+                self._add(_Kind(chart), placed[corners], alone, normals[corners], at)
 
     def balls(self, centers, colors, radius, faces) -> None:
         """One around each vertex of a closed surface."""
-        seen = centers @ self.rotation.T - self.center
+        seen = self._placed(centers)
         front = soft_normals(seen, faces)[:, 2] > -0.4  # the others lie behind it
         seen, colors = seen[front], colors[front]
         ball, faces = _ball()
         count = len(seen)
         self._add(
             _Kind(ambient=0.42, specular=0.0),
-            (seen[:, None] + radius * ball).reshape(-1, 3),
+            (seen[:, None] + self.scale * radius * ball).reshape(-1, 3),
             (np.arange(count)[:, None, None] * len(ball) + faces).reshape(-1, 3),
             np.tile(ball, (count, 1)),
             np.repeat(_bytes(colors), len(ball), axis=0),
         )
 
-    def _add(self, kind: _Kind, seen, faces, normals, values) -> None:
+    def _placed(self, points) -> np.ndarray:
+        """In the coordinates of the scene: pixels, from its upper left corner."""
         x, y, width, height = self.place
         middle = np.array([x + width / 2, -(y + height / 2), 0.0])
-        placed = self.scale * seen + middle
-        # Of closed surfaces only what looks at the eye is seen.
-        a, b, c = (placed[faces[:, k], :2] for k in range(3))
-        faces = faces[(b - a)[:, 0] * (c - a)[:, 1] > (b - a)[:, 1] * (c - a)[:, 0]]
+        return points @ (self.scale * self.rotation.T) + (middle - self.scale * self.center)
+
+    def _add(self, kind: _Kind, placed, faces, normals, values) -> None:
         self.scene.meshes.append(_Mesh(kind, placed, faces, normals, values))
+
+
+def _facing(placed, faces) -> np.ndarray:
+    """Of closed surfaces only the faces that look at the eye are seen."""
+    x, y = (np.ascontiguousarray(placed[:, k]) for k in range(2))
+    a, b, c = faces.T
+    return faces[(x[b] - x[a]) * (y[c] - y[a]) > (y[b] - y[a]) * (x[c] - x[a])]
 
 
 BELT, NORTH, SOUTH = "belt", "north", "south"  # charts of the checkerboard
@@ -524,14 +577,12 @@ CAP = 0.8  # height above which triangles belong to a cap
 REACH = 1.3  # radians from the pole that a cap's chart covers: triangles are large in coarse meshes
 
 
-def _chart_coordinates(chart: str, positions: np.ndarray) -> np.ndarray:
+def _chart_coordinates(chart: str, longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
     """Texture coordinates of the corners of triangles, one after the other."""
-    positions = positions / np.linalg.norm(positions, axis=1, keepdims=True)
-    longitude, latitude = sphere_coordinates(positions)
     if chart == BELT:
         triple, first = longitude.reshape(-1, 3), longitude[::3, None]
         triple = first + (triple - first + 0.5) % 1 - 0.5
-        return np.c_[(triple.ravel() + 1) / 3, (latitude + 1) / 2]
+        return np.c_[triple.ravel(), (latitude + 1) / 2]
     sign = 1 if chart == NORTH else -1
     radius = np.clip((1 - sign * latitude) * np.pi / 2 / REACH, 0, 1) / 2
     angle = 2 * np.pi * longitude
@@ -545,15 +596,11 @@ def _texture(chart: str):
     from vtkmodules.vtkRenderingCore import vtkTexture
 
     if chart == BELT:
-        # Three turns of longitude side by side, so that a triangle across the date line finds its
-        # colours.
-        longitude, latitude = (
-            (np.arange(1344) + 0.5) / 1344,
-            (np.arange(672, 0, -1) - 0.5) / 336 - 1,
-        )
-        colors = np.tile(_bytes(map_colors(longitude[None], latitude[:, None])), (1, 3, 1))
+        longitude = (np.arange(896) + 0.5) / 896
+        latitude = (np.arange(448, 0, -1) - 0.5) / 224 - 1
+        colors = _bytes(map_colors(longitude[None], latitude[:, None]))
     else:
-        across = ((np.arange(512) + 0.5) / 256 - 1) * REACH
+        across = ((np.arange(384) + 0.5) / 192 - 1) * REACH
         x, y = across[None], -across[:, None]
         latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
         colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))
@@ -563,6 +610,7 @@ def _texture(chart: str):
     image.GetPointData().SetScalars(numpy_to_vtk(rows, deep=True))
     texture.SetInputData(image)
     texture.SetColorModeToDirectScalars()
+    texture.RepeatOn()  # a triangle across the date line has longitudes beyond a turn
     texture.InterpolateOn()  # and no mipmap: fields are larger in pictures than here
     return texture
 

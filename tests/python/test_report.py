@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_propagation as sp
+from PIL import Image
 from sphere_propagation import (
     citation,
     command,
@@ -209,12 +210,12 @@ def test_phases_have_a_key_to_their_colours(cycle, model, tmp_path, monkeypatch)
 
 
 def test_names_beside_points_do_not_overlap():
-    plt = pictures.matplotlib_pyplot()
     generator = np.random.default_rng(3)
     for count, spread in ((10, 1.0), (40, 1.0), (40, 0.02), (1, 1.0)):
         points = spread * generator.normal(size=(count, 2))
         names = [f"specimen number {k}" for k in range(count)]
-        figure, axis = plt.subplots(figsize=(6, 5))
+        figure = pictures.new_figure(6, 5)
+        axis = figure.subplots()
         axis.scatter(*points.T)
         axis.margins(0.16)
         figure.tight_layout()
@@ -227,7 +228,29 @@ def test_names_beside_points_do_not_overlap():
         for k, box in enumerate(boxes):
             assert not any(box.overlaps(other) for other in boxes[:k])
             assert axis.bbox.x0 <= box.x0 and box.x1 <= axis.bbox.x1
-        plt.close(figure)
+
+
+def test_margins_have_room_for_labels():
+    """They are fixed, so that no layout is needed, and hold what is written beside the axes."""
+    for top in (1e-4, 1.0, 12345.0):
+        figure, axes = pictures.panels(13.6, 4.3, (2, 1, 1))
+        for axis in axes:
+            axis.plot([0, 30], [-top, top])
+            model_pictures._titles(axis, "Generalisation", "modes", "distance of a shape left out")
+            pictures.quiet_axes(axis)
+        figure.canvas.draw()
+        boxes = [axis.get_tightbbox() for axis in axes]
+        ends = [box.x1 for box in boxes]
+        for box, before in zip(boxes, [0, *ends]):
+            assert box.x0 >= before and box.y0 >= 0
+            assert box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
+
+
+def test_pictures_are_as_large_as_the_page_shows_them(cycle, tmp_path):
+    for draw in (pictures.maps_on_surfaces, pictures.root_and_sphere):
+        draw([Row("heart", cycle)], tmp_path / "x.png")
+        with Image.open(tmp_path / "x.png") as image:
+            assert image.width < 1500 and image.mode == "RGB"  # opaque
 
 
 def test_files_of_two_folders_are_no_range_of_one(cycle, tmp_path, capsys):
