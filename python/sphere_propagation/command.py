@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple
 
 from . import (
     conversion,
@@ -187,6 +187,7 @@ def _fit(options, make_progress) -> int:
         modes=options.modes,
         local_deviation=not options.modes_only,
         label=options.label,
+        unit=options.unit,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
@@ -271,9 +272,17 @@ def _volume_choices(options) -> Dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line: all options before it, as they are by default, would hide
+    it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {message}\n{self.prog} --help lists what there is.\n")
+
+
 def parser() -> argparse.ArgumentParser:
     """What the command line takes."""
-    command = argparse.ArgumentParser(
+    command = _Parser(
         prog="sphere-propagation",
         description="Corresponding landmarks on closed surfaces by propagated "
         "spherical parameterisations.",
@@ -538,6 +547,11 @@ def parser() -> argparse.ArgumentParser:
         "--modes-only",
         action="store_true",
         help="shapes have nothing beside the modes: no local deformation",
+    )
+    fit.add_argument(
+        "--unit",
+        metavar="UNIT",
+        help="of lengths (default: what landmarks.npz beside the model says, else mm)",
     )
     fit.set_defaults(action=_fit)
 

@@ -17,11 +17,12 @@ from . import adapters, files, filters, layers
 from .errors import InputError
 from .files import write_ply
 from .model import ShapeModel
-from .model_files import read_model
+from .model_files import beside, read_model
 from .parameters import NAMED, path_of, whole_number
 from .results import ResultFolder
 from .sphere_map import SphereMap
 from .surface import Surface, SurfaceLike, array_of, as_surface
+from .units import DEFAULT_UNIT, unit_named
 
 FIT = "compute_shape_model_fit"
 POSES = NAMED["pose"]
@@ -189,11 +190,13 @@ def _fit(prepared: _Prepared, given: Surface, *, anchors=None, **parameters) -> 
 
 
 def fit_files(
-    model, surfaces, folder, say: Callable[[str], None], *, label=1, **choices
+    model, surfaces, folder, say: Callable[[str], None], *, label=1, unit=None, **choices
 ) -> List[str]:
     """fit() for files, or folders of them, meshes and label volumes, each phase of these:
-    NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. choices: of the filter;
-    words may have hyphens. Returns what lies in the folder."""
+    NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. unit: of lengths
+    (default: what landmarks.npz beside the model says, else mm). choices: of the filter; words may
+    have hyphens. Returns what lies in the folder."""
+    unit = unit_named(unit or beside(Path(model))[1] or DEFAULT_UNIT)
     for key in ("pose", "alignment"):
         words = (
             value for value in (*POSES, *SIZES) if value.lower().replace(" ", "-") == choices[key]
@@ -206,9 +209,9 @@ def fit_files(
     with _prepared(model) as prepared:
         results.create()
         modes = range(len(prepared.shapes.modes))
-        rows = [["surface", *names, "map", *(f"score_{m + 1}" for m in modes)]]
+        rows = [["surface", *names, "map", "unit", *(f"score_{m + 1}" for m in modes)]]
         for surface in found:
-            rows.append(_fit_file(prepared, surface, results, say, names, choices))
+            rows.append(_fit_file(prepared, surface, results, say, names, unit, choices))
     results.write("fits.csv", lambda path: _write_table(path, rows))
     return [
         "fits.csv: a row for each surface: distance, deviation, scores",
@@ -223,6 +226,7 @@ def _fit_file(
     results: ResultFolder,
     say: Callable[[str], None],
     figures: Sequence[str],
+    unit: str,
     choices,
 ) -> List[str]:
     """Its row of the table."""
@@ -243,7 +247,7 @@ def _fit_file(
             lambda path: write_ply(path, surface.vertices, surface.faces, texture=got.map.texture),
         )
     say(
-        f"{name}: {got.figures['surface_distance']:.3g} from the surface, deviation "
+        f"{name}: {got.figures['surface_distance']:.3g} {unit} from the surface, deviation "
         f"{got.figures['deviation']:.3g}"
         + (
             f", more than {got.figures['percentile']:.0f} % of the training shapes"
@@ -252,8 +256,13 @@ def _fit_file(
         )
         + ("" if got.map is None else ", map certified")
     )
-    values = [*(got.figures[key] for key in figures), int(got.map is not None), *got.scores]
-    return [name, *(f"{value:.9g}" for value in values)]
+    values = [*(got.figures[key] for key in figures), int(got.map is not None)]
+    return [
+        name,
+        *(f"{value:.9g}" for value in values),
+        unit,
+        *(f"{score:.9g}" for score in got.scores),
+    ]
 
 
 def _surfaces_of(paths: Sequence[Path], label) -> Iterator[Surface]:

@@ -345,7 +345,9 @@ def test_wrong_arguments_end_with_2(capsys):
 def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
     with pytest.raises(SystemExit) as end:
         run("run", "x", "-o", "y", option, value)
-    assert end.value.code == 2 and words in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert end.value.code == 2 and words in said.splitlines()[0]
+    assert said.splitlines()[1:] == ["sphere-propagation run --help lists what there is."]
 
 
 @pytest.mark.parametrize(

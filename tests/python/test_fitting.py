@@ -98,6 +98,7 @@ def test_the_command_fits_a_folder(cycle, model, tmp_path, capsys, monkeypatch):
     assert command.main(["fit", "model.npz", "patients", "-o", "out", "--pose", "as-it-lies"]) == 0
     said = capsys.readouterr().out
     assert "p1: " in said and "p2: " in said and "fits.csv" in said
+    assert " mm from the surface" in said  # the default
     with open("out/fits.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["surface"] for row in rows] == ["p1", "p2"]
@@ -107,7 +108,11 @@ def test_the_command_fits_a_folder(cycle, model, tmp_path, capsys, monkeypatch):
     assert sp.read_mesh("out/p1_fit.ply").vertices.shape == (162, 3)
     assert sp.read_map("out/p1.ply").positions.shape == cycle.surfaces[1].vertices.shape
     # And again, in the same folder.
-    assert command.main(["fit", "model.npz", "patients", "-o", "out", "--modes-only"]) == 0
+    words = ["fit", "model.npz", "patients", "-o", "out", "--modes-only", "--unit", "cm"]
+    assert command.main(words) == 0
+    assert " cm from the surface" in capsys.readouterr().out
+    with open("out/fits.csv", newline="") as file:
+        assert {row["unit"] for row in csv.DictReader(file)} == {"cm"}
 
 
 def test_a_label_volume_is_a_surface(cycle, model, tmp_path, capsys, monkeypatch):
