@@ -68,18 +68,17 @@ std::string stepsOf(const PreparedMesh& mesh) {
   return text;
 }
 
-std::string closureOf(const Opening& opening, LidShape shape, bool isRing) {
+std::string closureOf(const Opening& opening, bool isRing) {
   if (isRing)
     return "a ring between the shells, of " +
            counted(opening.newVertices, "new vertex", "new vertices");
   if (opening.newFaces == 0) return "laying them on each other";
   if (opening.newVertices == 0) return counted(opening.newFaces, "face", "faces");
-  return std::string(shape == LidShape::Flat ? "a flat lid" : "a curved lid") + " of " +
+  return std::string(opening.shape == LidShape::Flat ? "a flat lid" : "a curved lid") + " of " +
          counted(opening.newVertices, "new vertex", "new vertices");
 }
 
-void tellOfOpenings(const host::Task& task, const std::string& label, const PreparedMesh& mesh,
-                    LidShape shape) {
+void tellOfOpenings(const host::Task& task, const std::string& label, const PreparedMesh& mesh) {
   constexpr size_t most = 10;
   std::vector<size_t> order(mesh.openings.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -91,7 +90,7 @@ void tellOfOpenings(const host::Task& task, const std::string& label, const Prep
     const Opening& opening = mesh.openings[order[i]];
     if (i < most)
       task.say(messages::opening, label, order[i] + 1, opening.edges, opening.perimeter,
-               closureOf(opening, shape, mesh.joinedShells && order[i] == 0));
+               closureOf(opening, static_cast<int>(order[i]) < mesh.rings));
     else
       rest += opening.edges;
   }
@@ -126,6 +125,18 @@ const host::Message& messageOfLeft(const PreparedMesh& mesh,
   }
 }
 
+/// A face or two that are missing are no opening.
+bool isOpening(const Opening& opening) {
+  constexpr int fewEdges = 4;
+  return opening.edges > fewEdges || opening.newVertices > 0;
+}
+
+/// How many openings of a wall whose sides were joined got lids.
+long openingsBesideRings(const PreparedMesh& mesh) {
+  if (mesh.rings == 0) return 0;
+  return std::count_if(mesh.openings.begin() + mesh.rings, mesh.openings.end(), isOpening);
+}
+
 void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent& before,
             const PreparedMesh& mesh, const PreparationParameters& parameters) {
   const std::string label = layer.label();
@@ -134,16 +145,19 @@ void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent&
              before.vertices.rows(), before.faces.rows(), stepsOf(mesh));
   else
     task.say(mesh.left ? messages::notPrepared : messages::nothingToPrepare, label);
-  tellOfOpenings(task, label, mesh, parameters.lid);
+  tellOfOpenings(task, label, mesh);
   constexpr double large = 0.05, largeOfSheets = 0.01, largeOfLids = 0.25;
   if (const double share = lidShareOf(mesh); share > largeOfLids)
     task.sayOf(layer, messages::mostlyLids, 100 * share);
   if (mesh.sheets.droppedShare > largeOfSheets)
     task.sayOf(layer, messages::largeSheetsDropped, 100 * mesh.sheets.droppedShare);
+  if (const long others = openingsBesideRings(mesh); others > 0)
+    task.sayOf(layer, messages::wallClosed, mesh.rings, others);
   if (mesh.shells)
     task.sayOf(layer, messages::shellsNotJoined);
   else if (mesh.dropped.largestShare > large)
-    task.sayOf(layer, messages::largePartDropped, 100 * mesh.dropped.largestShare);
+    task.sayOf(layer, parameters.joinShells ? messages::partNotJoined : messages::largePartDropped,
+               100 * mesh.dropped.largestShare);
   if (mesh.left) task.sayOf(layer, messageOfLeft(mesh, parameters), withoutName(*mesh.left));
 }
 
@@ -182,15 +196,13 @@ class PreparationSummary {
   size_t changed_ = 0, closed_ = 0;
 };
 
-/// Perimeters of what was open: now, or in an earlier run, whose lids tell. A face or two that are
-/// missing are no opening.
+/// Perimeters of what was open: now, or in an earlier run, whose lids tell.
 std::vector<double> openingSizes(const PreparedMesh& mesh, const host::Layer& layer,
                                  const MeshContent& before) {
-  constexpr int fewEdges = 4;
   std::vector<double> sizes =
       lidSizes(before.vertices, before.faces, layer.lids(before.meshVertex));
   for (const Opening& opening : mesh.openings)
-    if (opening.edges > fewEdges || opening.newVertices > 0) sizes.push_back(opening.perimeter);
+    if (isOpening(opening)) sizes.push_back(opening.perimeter);
   return sizes;
 }
 
@@ -208,7 +220,7 @@ class PreparationFigures {
     put("weld", mesh.weldedVertices + mesh.unusedVertices + mesh.nonFiniteVertices);
     put("remove_duplicate_faces", mesh.duplicateFaces + mesh.flatFaces);
     put("remove_fins", static_cast<double>(mesh.sheets.edges + mesh.sheets.vertices));
-    put("join_shells", mesh.joinedShells ? 1 : 0);
+    put("join_shells", mesh.joinedShells);
     put("keep_largest_component", static_cast<double>(mesh.dropped.parts));
     put("close_openings", static_cast<double>(mesh.openings.size()));
     put("lid", static_cast<double>(lidVerticesOf(mesh)));

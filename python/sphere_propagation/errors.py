@@ -161,6 +161,10 @@ MESSAGES_FOR_ARRAYS = {
         "join them before, or keep both by",
         "prepare it with join_shells=True, or keep both by keep_largest_component=False.",
     ),
+    "partNotJoined": (
+        "Keep both by",
+        "Keep both by keep_largest_component=False, or prepare each by itself.",
+    ),
     "largeSheetsDropped": (
         "make each body a layer of its own before",
         "make each body a surface of its own before, or keep all sheets by remove_fins=False.",

@@ -82,10 +82,11 @@ def prepare(
 
     weld: unify vertices on open edges that lie in one place, drop those that no face uses.
     remove_duplicate_faces: and those without area. remove_fins: leave no edge with more than two
-    faces and no vertex at which sheets touch. join_shells: put a ring between the inner and the
-    outer side of a wall. keep_largest_component: by area. close_openings: by
-    lids, of which `lid` says whether the surface goes on over the rim ("Curved") or not ("Flat").
-    orient: all faces outwards. remove_handles: by way of a volume, with a new mesh.
+    faces and no vertex at which sheets touch. join_shells: put a ring between the inner sides and
+    the outer side of a wall, at the longest of its openings. keep_largest_component: by area.
+    close_openings: by lids, of which `lid` says whether the surface goes on over the rim ("Curved")
+    or not ("Flat"). orient: all faces outwards. remove_handles: by way of a volume, with a new
+    mesh.
 
     Warns (SpherePropagationWarning) where it is no closed surface yet, and where a large part or
     large sheets were dropped. Raises FilterError where there is nothing to prepare.

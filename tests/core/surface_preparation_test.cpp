@@ -504,7 +504,7 @@ TEST(SurfacePreparation, JoinsTheSidesOfAWallWhereAsked) {
         const PreparedMesh result =
             prepared(innerFirst ? both(inner, outer) : both(outer, inner), join);
         ASSERT_TRUE(isClosed(result)) << around;
-        EXPECT_TRUE(result.joinedShells);
+        EXPECT_EQ(result.joinedShells, 1);
         EXPECT_FALSE(result.shells);
         EXPECT_EQ(result.dropped.parts, 0);
         ASSERT_EQ(result.openings.size(), 1U);
@@ -521,6 +521,110 @@ TEST(SurfacePreparation, JoinsTheSidesOfAWallWhereAsked) {
       }
 }
 
+/// An ellipsoid without the faces within `radius` of rays from its middle.
+Mesh valved(const Mesh& ellipsoid, const std::vector<Vector3>& rays, double radius) {
+  return without(ellipsoid, [&](const Vector3& c) {
+    return std::any_of(rays.begin(), rays.end(), [&](const Vector3& ray) {
+      const Vector3 way = ray.normalized();
+      return c.dot(way) > 0 && (c - way * c.dot(way)).norm() < radius;
+    });
+  });
+}
+
+TEST(SurfacePreparation, JoinsWallsThatAreOpenAtSeveralValves) {
+  PreparationParameters join;
+  join.joinShells = true;
+  const Mesh outer = stretched(icosphereMesh(16), 35, 35, 50),
+             inner = stretched(icosphereMesh(14), 25, 25, 40);
+  const double wall = 4 * pi / 3 * (35 * 35 * 50 - 25 * 25 * 40);
+  const Vector3 mitral(-0.35, 0, 1), aortic(0.45, 0, 0.9), side(0, 1, 0.3);
+  for (const LidShape lid : {LidShape::Curved, LidShape::Flat})
+    for (const std::vector<Vector3>& valves :
+         {std::vector<Vector3>{mitral, aortic}, {mitral, aortic, side}, {side, -side}})
+      for (const auto& [radius, unit] : {std::pair(6.0, 1.0), {9.0, 0.001}}) {
+        join.lid = lid;
+        Mesh in = valved(inner, valves, radius);
+        in.faces.col(1).swap(in.faces.col(2));
+        Mesh mesh = both(in, valved(outer, valves, radius + 1));
+        mesh.vertices *= unit;
+        EXPECT_TRUE(prepared(mesh).shells);
+        const PreparedMesh result = prepared(mesh, join);
+        ASSERT_TRUE(isClosed(result));
+        EXPECT_EQ(result.joinedShells, 1);
+        EXPECT_EQ(result.rings, 1);
+        EXPECT_EQ(result.openings.size(), 2 * valves.size() - 1);
+        EXPECT_EQ(result.dropped.parts, 0);
+        EXPECT_NEAR(enclosedVolume(result.vertices, result.faces) / std::pow(unit, 3) / wall, 1,
+                    0.05);
+      }
+}
+
+TEST(SurfacePreparation, JoinsAnInnerSideWithTwoOpeningsInOneOfTheOuter) {
+  PreparationParameters join;
+  join.joinShells = true;
+  const Mesh outer = without(stretched(icosphereMesh(24), 35, 35, 50),
+                             [](const Vector3& c) { return c.z() > 42; });
+  const Mesh inner =
+      valved(stretched(icosphereMesh(24), 25, 25, 40), {{-0.27, 0, 1}, {0.3, 0, 1}}, 7);
+  const PreparedMesh result = prepared(both(outer, inner), join);
+  ASSERT_TRUE(isClosed(result));
+  EXPECT_EQ(result.joinedShells, 1);
+  ASSERT_EQ(result.openings.size(), 2U);
+  EXPECT_EQ(result.openings[1].shape, LidShape::Flat);  // under the ring
+  for (Eigen::Index v = 0; v < result.vertices.rows(); ++v) EXPECT_LT(result.vertices(v, 2), 44);
+}
+
+TEST(SurfacePreparation, JoinsBothVentriclesToOneOuterSide) {
+  PreparationParameters join;
+  join.joinShells = true;
+  const auto base = [](const Mesh& mesh) {
+    return without(mesh, [](const Vector3& c) { return c.z() > 25; });
+  };
+  const Mesh epi = stretched(icosphereMesh(20), 46, 38, 55),
+             left = moved(stretched(icosphereMesh(14), 18, 20, 40), -14, 0, 0),
+             right = moved(stretched(icosphereMesh(14), 14, 20, 36), 20, 0, 0);
+  const Mesh cut = both(base(right), both(base(epi), base(left)));
+  const PreparedMesh result = prepared(cut, join);
+  ASSERT_TRUE(isClosed(result));
+  EXPECT_EQ(result.joinedShells, 2);
+  ASSERT_EQ(result.openings.size(), 1U);  // one ring
+  const auto below = [](double z, double a, double b, double c) {
+    const double t = z / c;
+    return pi * a * b * c * (2.0 / 3 + t - t * t * t / 3);
+  };
+  const double wall = below(25, 46, 38, 55) - below(25, 18, 20, 40) - below(25, 14, 20, 36);
+  EXPECT_NEAR(enclosedVolume(result.vertices, result.faces) / wall, 1, 0.03);
+
+  // Each at a valve of its own.
+  const auto hole = [](const Mesh& mesh, const Vector3& centre) {
+    return without(mesh, [&](const Vector3& c) { return (c - centre).norm() < 10; });
+  };
+  const PreparedMesh two = prepared(both(valved(epi, {{-0.3, 0, 1}, {0.4, 0, 1}}, 9),
+                                         both(hole(left, {-14, 0, 40}), hole(right, {20, 0, 36}))),
+                                    join);
+  ASSERT_TRUE(isClosed(two));
+  EXPECT_EQ(two.joinedShells, 2);
+  EXPECT_EQ(two.rings, 2);
+}
+
+TEST(SurfacePreparation, JoinsAndClosesRimsThatTouchThemselves) {
+  const auto ragged = [](const Mesh& mesh) {
+    return without(mesh, [](const Vector3& c) {
+      return c.z() > 0.4 + 0.2 * std::sin(4321 * c.x() + 1234 * c.y());
+    });
+  };
+  const Mesh outer = ragged(icosphereMesh(20)),
+             inner = ragged(stretched(icosphereMesh(20), 0.75, 0.75, 0.9));
+  PreparationParameters join;
+  join.joinShells = true;
+  const PreparedMesh result = prepared(both(outer, inner), join);
+  ASSERT_TRUE(isClosed(result));
+  EXPECT_EQ(result.joinedShells, 1);
+  join.joinShells = false;
+  join.removeFins = false;
+  EXPECT_TRUE(isClosed(prepared(outer, join)));
+}
+
 TEST(SurfacePreparation, JoinsNothingElse) {
   PreparationParameters join;
   join.joinShells = true;
@@ -532,7 +636,7 @@ TEST(SurfacePreparation, JoinsNothingElse) {
                             stretched(icosphereMesh(6), 0.5, 0.5, 0.5)}) {  // closed
     const PreparedMesh result = prepared(both(bowlMesh, other), join);
     EXPECT_TRUE(isClosed(result));
-    EXPECT_FALSE(result.joinedShells);
+    EXPECT_EQ(result.joinedShells, 0);
     EXPECT_FALSE(prepared(both(bowlMesh, other)).shells);
     EXPECT_EQ(result.dropped.parts, 1);
   }

@@ -129,6 +129,33 @@ def test_the_sides_of_a_wall_are_named_and_joined():
     assert ms.current_mesh().face_selection_array().sum() >= 28
 
 
+def test_walls_that_are_open_twice_are_joined_once():
+    v, f = two_shells()
+    half = len(v) // 2
+    side = v[:half, 0] - np.abs(v[:half, 2] + 20)
+    for beside in (side.argmax(), half + side.argmax()):  # a hole in each shell
+        f = f[(f != beside).all(axis=1)]
+    ms = pymeshlab.MeshSet()
+    add(ms, v, f, "wall")
+    returned = ms.apply_filter(PREPARE, join_shells=True)
+    text = " ".join(said(returned))
+    assert returned["join_shells"] == 1 and returned["closed"] == 1
+    assert len(returned["opening_edges"]) == 3
+    assert "wall: the sides of its wall are joined at 1 opening; the 2 other ones are" in text
+
+
+def test_parts_that_are_no_wall_are_not_to_be_joined():
+    v, f = two_shells()
+    half = len(v) // 2
+    v[half:, 2] *= -1  # open to the other side
+    ms = pymeshlab.MeshSet()
+    add(ms, v, f, "wall")
+    returned = ms.apply_filter(PREPARE, join_shells=True)
+    text = " ".join(said(returned))
+    assert returned["join_shells"] == 0 and returned["closed"] == 1
+    assert "It is not joined, since no rim of it looks the same way" in text
+
+
 def lid_of(mesh):
     return mesh.vertex_custom_scalar_attribute_array("lid")
 

@@ -549,6 +549,37 @@ class OwnUnits {
 
 }  // namespace
 
+Triangles polygonFaces(const Rim& rim, const std::vector<int>& polygon) {
+  constexpr int most = 400, coarse = 200;
+  const auto n = static_cast<int>(polygon.size());
+  const int step = n <= most ? 1 : (n + coarse - 1) / coarse;
+  std::vector<int> times(static_cast<size_t>(rim.points.rows()), 0);
+  for (const int v : polygon) ++times[v];
+  std::vector<Corners> faces;
+  std::vector<int> nodes;
+  const auto solve = [&](const std::vector<int>& part) {
+    const std::vector<Vector3> walls(part.size(), Vector3::Zero());
+    return PolygonTriangulation(rim, part, walls, false).appendTo(faces);
+  };
+  for (int i = 0; i < n;) {
+    nodes.push_back(polygon[i]);
+    std::vector<int> piece{polygon[i]};
+    do piece.push_back(polygon[++i % n]);
+    while (i < n && static_cast<int>(piece.size()) <= step && times[polygon[i % n]] == 1);
+    if (piece.size() == 2) continue;
+    if (rim.joined(piece.front(), piece.back()) || !solve(piece)) return Triangles(0, 3);
+  }
+  if (!solve(nodes)) return Triangles(0, 3);
+  std::map<std::pair<int, int>, int> uses;
+  Triangles result(static_cast<Eigen::Index>(faces.size()), 3);
+  for (size_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      result(static_cast<Eigen::Index>(f), k) = faces[f][k];
+      if (++uses[{faces[f][k], faces[f][(k + 1) % 3]}] > 1) return Triangles(0, 3);
+    }
+  return result;
+}
+
 Lid makeBand(const Rim& rim, const Triangles& faces) {
   const OwnUnits units(rim);
   const Rim scaled = units.of(rim);

@@ -3,6 +3,7 @@
 /// What closes one opening of a surface.
 
 #include <functional>
+#include <vector>
 
 #include "vcg_ext/base/matrices.h"
 
@@ -47,6 +48,13 @@ struct Lid {
 /// No edge of the lid joins two points that are joined already; where that leaves no triangulation,
 /// all points are joined to one at their middle.
 Lid makeLid(const Rim& rim, LidShape shape);
+
+/// The triangulation of smallest area of a polygon, by dynamic programming as for lids; of a
+/// polygon of more than 400 points first between some 200 of them. Empty where there is none.
+///
+/// rim: its points, and which of them are joined already, are looked at; polygon: indices of them
+/// in order round the polygon, where lines that join several rims to one are run along twice.
+Triangles polygonFaces(const Rim& rim, const std::vector<int>& polygon);
 
 /// A surface between rims from one that has their points alone: refined as a lid is, and placed as
 /// a flat one.

@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "vcg_ext/preparation/orientation.h"
@@ -47,13 +49,9 @@ class Rims {
 
   void trace() {
     const EdgeTable edges(mesh_.faces);
-    std::vector<int> from(mesh_.source.size(), -1);  // the half-edge on the rim that starts there
     std::vector<int> all;
     for (int h = 0; h < 3 * mesh_.faceCount(); ++h)
-      if (edges.size(edges.edgeOf(h)) == 1) {
-        all.push_back(h);
-        if (from[origin(h)] < 0) from[origin(h)] = h;
-      }
+      if (edges.size(edges.edgeOf(h)) == 1) all.push_back(h);
     std::vector<char> used(3 * mesh_.faceLid.size(), 0);
     std::vector<int> one(mesh_.source.size());  // what each vertex is once those that were one are
     std::iota(one.begin(), one.end(), 0);
@@ -64,12 +62,24 @@ class Rims {
       while (h >= 0 && !used[h]) {
         used[h] = 1;
         ring.push_back(h);
-        h = from[target(h)];
+        h = following(edges, h);
       }
       if (h == start) split(ring, one);
     }
     for (int h = 0; h < 3 * mesh_.faceCount(); ++h)
       mesh_.faces(h / 3, h % 3) = nowOf(one, origin(h));
+  }
+
+  /// The next half-edge of a rim: at its end, round the faces of its own fan; -1: none.
+  int following(const EdgeTable& edges, int h) const {
+    const auto next = [](int i) { return i - i % 3 + (i + 1) % 3; };
+    h = next(h);
+    for (int steps = 0; edges.size(edges.edgeOf(h)) != 1; ++steps) {
+      const int twin = edges.twin(h);
+      if (twin < 0 || origin(twin) == origin(h) || steps > mesh_.faceCount()) return -1;
+      h = next(twin);
+    }
+    return h;
   }
 
   static int nowOf(const std::vector<int>& one, int v) {
@@ -228,26 +238,46 @@ Rim rimOf(const BrokenMesh& mesh, const Rims& rims, const Ring& ring, const std:
   return result;
 }
 
-/// One side of a wall, open at its rim.
-struct Shell {
-  std::vector<int> faces;
+/// Where a shell is open.
+struct ShellRim {
   Ring ring;
-  std::vector<int> rim;  // origins along the ring
+  std::vector<int> points;  // origins along the ring
   double perimeter = 0;
-  Vector3 normal = Vector3::Zero();  // of the rim, by the right hand along the ring
-  Vector3 centre = Vector3::Zero();  // of the rim
+  Vector3 normal = Vector3::Zero();  // by the right hand along the ring
+  Vector3 centre = Vector3::Zero();
 };
 
-/// Six times the volume of a shell and of the fan on its rim: positive where faces look outwards.
-double volumeOf(const BrokenMesh& mesh, const Shell& shell) {
-  double volume = 0;
-  for (const int f : shell.faces)
-    volume +=
-        areaVector(mesh.vertices, mesh.faces, f).dot(mesh.vertex(mesh.faces(f, 0)) - shell.centre);
-  return volume;  // the fan's corners are coplanar with its apex
+/// One side of a wall.
+struct Shell {
+  std::vector<int> faces;
+  std::vector<ShellRim> rims;
+  double volume = 0;  // six times it, with a fan on each rim: positive where faces look outwards
+};
+
+ShellRim shellRimOf(const BrokenMesh& mesh, const Rims& rims, const Ring& ring) {
+  ShellRim rim;
+  rim.ring = ring;
+  for (const int h : ring) {
+    rim.points.push_back(rims.origin(h));
+    rim.perimeter += (mesh.vertex(rims.target(h)) - mesh.vertex(rims.origin(h))).norm();
+    rim.centre += mesh.vertex(rims.origin(h)) / static_cast<double>(ring.size());
+  }
+  for (const int h : ring)
+    rim.normal +=
+        (mesh.vertex(rims.origin(h)) - rim.centre).cross(mesh.vertex(rims.target(h)) - rim.centre);
+  return rim;
 }
 
-/// How often a shell with the fan on its rim goes round a point; near 1 or -1 inside.
+void measureVolume(const BrokenMesh& mesh, Shell& shell) {
+  const Vector3 origin = shell.rims.front().centre;
+  for (const int f : shell.faces)
+    shell.volume +=
+        areaVector(mesh.vertices, mesh.faces, f).dot(mesh.vertex(mesh.faces(f, 0)) - origin);
+  // The fan runs the other way round.
+  for (const ShellRim& rim : shell.rims) shell.volume -= rim.normal.dot(rim.centre - origin);
+}
+
+/// How often a shell with the fans on its rims goes round a point; near 1 or -1 inside.
 double windingOf(const BrokenMesh& mesh, const Shell& shell, const Vector3& point) {
   const auto angle = [&](const Vector3& a, const Vector3& b, const Vector3& c) {
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -258,74 +288,16 @@ double windingOf(const BrokenMesh& mesh, const Shell& shell, const Vector3& poin
   for (const int f : shell.faces)
     sum += angle(mesh.vertex(mesh.faces(f, 0)) - point, mesh.vertex(mesh.faces(f, 1)) - point,
                  mesh.vertex(mesh.faces(f, 2)) - point);
-  for (size_t i = 0; i < shell.rim.size(); ++i)
-    sum += angle(shell.centre - point, mesh.vertex(shell.rim[(i + 1) % shell.rim.size()]) - point,
-                 mesh.vertex(shell.rim[i]) - point);
+  for (const ShellRim& rim : shell.rims)
+    for (size_t i = 0; i < rim.points.size(); ++i)
+      sum += angle(rim.centre - point, mesh.vertex(rim.points[(i + 1) % rim.points.size()]) - point,
+                   mesh.vertex(rim.points[i]) - point);
   return sum / (4 * pi);
 }
 
-/// The two largest parts of a mesh, with their main rims; nothing where they have none.
-std::optional<std::pair<Shell, Shell>> largestShells(const BrokenMesh& mesh, const Rims& rims) {
-  constexpr double smallest = 0.1, mainRim = 2;
-  const EdgeTable edges(mesh.faces);
-  DisjointSets sets(mesh.faceCount());
-  for (int e = 0; e < edges.count(); ++e)
-    for (int i = 1; i < edges.size(e); ++i)
-      sets.unite(edges.halfEdge(e, 0) / 3, edges.halfEdge(e, i) / 3);
-  std::vector<double> area(mesh.faceLid.size(), 0);
-  for (int f = 0; f < mesh.faceCount(); ++f)
-    area[sets.find(f)] += areaVector(mesh.vertices, mesh.faces, f).norm();
-  const auto largest = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
-  const double most = area[largest];
-  area[largest] = 0;
-  const auto next = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
-  if (area[next] < smallest * most || area[next] <= 0) return std::nullopt;
-  std::pair<Shell, Shell> shells;
-  for (int f = 0; f < mesh.faceCount(); ++f) {
-    if (sets.find(f) == largest) shells.first.faces.push_back(f);
-    if (sets.find(f) == next) shells.second.faces.push_back(f);
-  }
-  double second[2]{};
-  for (const Ring& ring : rims.rings()) {
-    const int part = sets.find(ring.front() / 3);
-    if (part != largest && part != next) continue;
-    Shell& shell = part == largest ? shells.first : shells.second;
-    double perimeter = 0;
-    for (const int h : ring)
-      perimeter += (mesh.vertex(rims.target(h)) - mesh.vertex(rims.origin(h))).norm();
-    double& other = second[part == largest ? 0 : 1];
-    other = std::max(other, std::min(perimeter, shell.perimeter));
-    if (perimeter <= shell.perimeter) continue;
-    shell.perimeter = perimeter;
-    shell.ring = ring;
-  }
-  for (Shell* shell : {&shells.first, &shells.second}) {
-    if (shell->ring.size() < 3 || shell->perimeter < mainRim * second[shell == &shells.second])
-      return std::nullopt;
-    for (const int h : shell->ring) {
-      shell->rim.push_back(rims.origin(h));
-      shell->centre += mesh.vertex(rims.origin(h)) / static_cast<double>(shell->ring.size());
-    }
-    for (const int h : shell->ring)
-      shell->normal += (mesh.vertex(rims.origin(h)) - shell->centre)
-                           .cross(mesh.vertex(rims.target(h)) - shell->centre);
-  }
-  return shells;
-}
-
-/// Whether the first lies round the second, and their rims are those of one wall.
-bool isWall(const BrokenMesh& mesh, const Shell& outer, const Shell& inner) {
-  constexpr double alike = 0.7, narrowest = 0.3, farthest = 0.7, mostly = 0.9;
-  const double cosine =
-      std::fabs(outer.normal.stableNormalized().dot(inner.normal.stableNormalized()));
-  if (cosine < alike || inner.perimeter < narrowest * outer.perimeter) return false;
-  const double radius = outer.perimeter / (2 * pi);
-  for (const int v : inner.rim) {
-    double nearest = HUGE_VAL;
-    for (const int w : outer.rim)
-      nearest = std::min(nearest, (mesh.vertex(v) - mesh.vertex(w)).norm());
-    if (nearest > farthest * radius) return false;
-  }
+/// Whether most of one shell lies inside another.
+bool liesIn(const BrokenMesh& mesh, const Shell& inner, const Shell& outer) {
+  constexpr double mostly = 0.9;
   constexpr size_t samples = 64;
   const size_t step = std::max<size_t>(1, inner.faces.size() / samples);
   int inside = 0, all = 0;
@@ -337,15 +309,134 @@ bool isWall(const BrokenMesh& mesh, const Shell& outer, const Shell& inner) {
   return inside >= mostly * all;
 }
 
-/// The outer and the inner side of a wall.
-std::optional<std::pair<Shell, Shell>> wallOf(const BrokenMesh& mesh, const Rims& rims) {
-  auto shells = largestShells(mesh, rims);
-  if (!shells) return std::nullopt;
-  if (!isWall(mesh, shells->first, shells->second)) {
-    std::swap(shells->first, shells->second);
-    if (!isWall(mesh, shells->first, shells->second)) return std::nullopt;
+/// The large parts of a mesh that are open, the one that holds most first.
+std::vector<Shell> largeShells(const BrokenMesh& mesh, const Rims& rims) {
+  constexpr double smallest = 0.1;
+  const EdgeTable edges(mesh.faces);
+  DisjointSets sets(mesh.faceCount());
+  for (int e = 0; e < edges.count(); ++e)
+    for (int i = 1; i < edges.size(e); ++i)
+      sets.unite(edges.halfEdge(e, 0) / 3, edges.halfEdge(e, i) / 3);
+  std::vector<double> area(mesh.faceLid.size(), 0);
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    area[sets.find(f)] += areaVector(mesh.vertices, mesh.faces, f).norm();
+  const double most = area.empty() ? 0 : *std::max_element(area.begin(), area.end());
+  std::vector<int> shellOf(area.size(), -1);
+  std::vector<Shell> shells;
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    if (area[f] > 0 && area[f] >= smallest * most) {
+      shellOf[f] = static_cast<int>(shells.size());
+      shells.emplace_back();
+    }
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    if (const int s = shellOf[sets.find(f)]; s >= 0) shells[s].faces.push_back(f);
+  for (const Ring& ring : rims.rings()) {
+    const int s = shellOf[sets.find(ring.front() / 3)];
+    if (s >= 0 && ring.size() >= 3) shells[s].rims.push_back(shellRimOf(mesh, rims, ring));
   }
+  shells.erase(std::remove_if(shells.begin(), shells.end(),
+                              [](const Shell& shell) { return shell.rims.empty(); }),
+               shells.end());
+  for (Shell& shell : shells) measureVolume(mesh, shell);
+  std::stable_sort(shells.begin(), shells.end(), [](const Shell& a, const Shell& b) {
+    return std::fabs(a.volume) > std::fabs(b.volume);
+  });
   return shells;
+}
+
+/// How far the points of one rim lie from those of another at most.
+double farthestFrom(const BrokenMesh& mesh, const ShellRim& rim, const ShellRim& other) {
+  double farthest = 0;
+  for (const int v : rim.points) {
+    double nearest = HUGE_VAL;
+    for (const int w : other.points)
+      nearest = std::min(nearest, (mesh.vertex(v) - mesh.vertex(w)).norm());
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+/// The distance between a shell and the one round it: the median from some of its vertices.
+double thicknessOf(const BrokenMesh& mesh, const Shell& outer, const Shell& inner) {
+  constexpr size_t samples = 64;
+  std::vector<double> distances;
+  for (size_t i = 0; i < inner.faces.size();
+       i += std::max<size_t>(1, inner.faces.size() / samples)) {
+    double nearest = HUGE_VAL;
+    for (const int f : outer.faces)
+      nearest = std::min(
+          nearest, (mesh.vertex(mesh.faces(f, 0)) - mesh.vertex(mesh.faces(inner.faces[i], 0)))
+                       .squaredNorm());
+    distances.push_back(std::sqrt(nearest));
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+/// The rim of the outer shell beside which one of the inner shell lies, -1: none. What lies within
+/// a round rim is no farther from it than its radius; small ones lie on both sides of a wall.
+int rimBeside(const BrokenMesh& mesh, const Shell& outer, const Shell& inner, const ShellRim& rim,
+              double thickness) {
+  constexpr double alike = 0.7, narrowest = 0.3, farthest = 2;  // thicknesses
+  int found = -1;
+  double nearest = HUGE_VAL;
+  for (size_t o = 0; o < outer.rims.size(); ++o) {
+    const ShellRim& other = outer.rims[o];
+    if (rim.perimeter < narrowest * other.perimeter) continue;
+    const double cosine = rim.normal.stableNormalized().dot(other.normal.stableNormalized());
+    if ((outer.volume > 0) == (inner.volume > 0) ? cosine < alike : cosine > -alike) continue;
+    const double distance = farthestFrom(mesh, rim, other);
+    if (distance > std::max(other.perimeter / (2 * pi), farthest * thickness)) continue;
+    if (distance >= nearest) continue;
+    nearest = distance;
+    found = static_cast<int>(o);
+  }
+  return found;
+}
+
+/// The sides of a wall, and where they are to be joined.
+struct Wall {
+  Shell outer;
+  std::vector<Shell> inner;
+  std::vector<int> outerRim, innerRim;  // of each inner shell, the rims to be joined
+  std::vector<double> thickness;        // of each, thicknessOf
+};
+
+/// Each inner shell is joined to the outer one once, at its longest rim that can be: that leaves no
+/// handle.
+std::optional<Wall> wallRound(const BrokenMesh& mesh, const std::vector<Shell>& shells, size_t o) {
+  Wall wall{shells[o], {}, {}, {}, {}};
+  for (size_t i = 0; i < shells.size(); ++i) {
+    if (i == o) continue;
+    const Shell& inner = shells[i];
+    const double thickness = thicknessOf(mesh, wall.outer, inner);
+    int best = -1, beside = -1;
+    for (size_t r = 0; r < inner.rims.size(); ++r) {
+      if (best >= 0 && inner.rims[r].perimeter <= inner.rims[best].perimeter) continue;
+      const int found = rimBeside(mesh, wall.outer, inner, inner.rims[r], thickness);
+      if (found < 0) continue;
+      best = static_cast<int>(r);
+      beside = found;
+    }
+    const auto holdsIt = [&](const Shell& other) { return liesIn(mesh, inner, other); };
+    if (best < 0 || !holdsIt(wall.outer) ||
+        std::any_of(wall.inner.begin(), wall.inner.end(), holdsIt))
+      continue;
+    wall.inner.push_back(inner);
+    wall.outerRim.push_back(beside);
+    wall.innerRim.push_back(best);
+    wall.thickness.push_back(thickness);
+  }
+  if (wall.inner.empty()) return std::nullopt;
+  return wall;
+}
+
+std::optional<Wall> wallOf(const BrokenMesh& mesh, const Rims& rims) {
+  const std::vector<Shell> shells = largeShells(mesh, rims);
+  for (size_t o = 0; o < shells.size(); ++o)
+    if (auto wall = wallRound(mesh, shells, o)) return wall;
+  return std::nullopt;
 }
 
 /// Faces between two rims, as indices into both, one behind the other: on the left of the first,
@@ -387,6 +478,107 @@ Triangles zipped(const BrokenMesh& mesh, const std::vector<int>& first,
   return faces;
 }
 
+/// Faces between one rim and several within it, as indices into all, one behind the other; they run
+/// as those of `zipped`. The rims are joined to one polygon by the shortest lines between them.
+/// Empty where that leaves no triangulation.
+Triangles spanned(const BrokenMesh& mesh, const std::vector<std::vector<int>>& rims, const Rim& all,
+                  const std::function<bool(int, int)>& joined) {
+  std::vector<std::vector<int>> holes;
+  std::vector<int> vertices;
+  for (const std::vector<int>& rim : rims) {
+    holes.emplace_back();
+    for (const int v : rim) {
+      holes.back().push_back(static_cast<int>(vertices.size()));
+      vertices.push_back(v);
+    }
+  }
+  std::vector<int> polygon = holes.front();
+  std::reverse(polygon.begin(), polygon.end());
+  holes.erase(holes.begin());
+  std::vector<std::pair<int, int>> bridges;
+  while (!holes.empty()) {
+    size_t hole = 0;
+    std::ptrdiff_t from = 0, to = 0;
+    double nearest = HUGE_VAL;
+    for (size_t h = 0; h < holes.size(); ++h)
+      for (size_t i = 0; i < polygon.size(); ++i)
+        for (size_t j = 0; j < holes[h].size(); ++j)
+          if (const double d =
+                  (mesh.vertex(vertices[polygon[i]]) - mesh.vertex(vertices[holes[h][j]]))
+                      .squaredNorm();
+              d < nearest) {
+            nearest = d;
+            hole = h;
+            from = static_cast<std::ptrdiff_t>(i);
+            to = static_cast<std::ptrdiff_t>(j);
+          }
+    std::vector<int> round = holes[hole];
+    std::rotate(round.begin(), round.begin() + to, round.end());
+    round.push_back(round.front());
+    const int bridge = polygon[static_cast<size_t>(from)];
+    bridges.emplace_back(bridge, round.front());
+    round.push_back(bridge);
+    polygon.insert(polygon.begin() + from + 1, round.begin(), round.end());
+    holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(hole));
+  }
+  Rim rim = all;
+  rim.joined = [&](int i, int j) {
+    const auto isBridge = [&](const std::pair<int, int>& b) {
+      return b == std::pair(i, j) || b == std::pair(j, i);
+    };
+    return i == j || joined(i, j) || std::any_of(bridges.begin(), bridges.end(), isBridge);
+  };
+  return polygonFaces(rim, polygon);
+}
+
+/// Puts a ring between one rim of the outer shell and those of inner shells beside it. Nothing
+/// where there is none.
+std::optional<Opening> joinRims(BrokenMesh& mesh, Rims& rims, const ShellRim& outer,
+                                const std::vector<const ShellRim*>& inner, int number) {
+  std::vector<std::vector<int>> parts{outer.points};
+  double perimeter = outer.perimeter;
+  for (const ShellRim* rim : inner) {
+    parts.emplace_back(rim->points.rbegin(), rim->points.rend());
+    perimeter += rim->perimeter;
+  }
+  std::vector<int> rim;
+  for (const std::vector<int>& part : parts) rim.insert(rim.end(), part.begin(), part.end());
+  const auto n = static_cast<Eigen::Index>(rim.size());
+  Rim all{Points(n, 3), Points::Zero(n, 3), Eigen::VectorXd(n), Points::Zero(n, 3), {}};
+  Opening opening;
+  Eigen::Index row = 0;
+  for (const std::vector<int>& part : parts) {
+    std::vector<int> sorted = part;
+    std::sort(sorted.begin(), sorted.end());
+    for (const int v : part) {
+      all.points.row(row) = mesh.vertices.row(v);
+      all.spacing[row++] = edgeLengthNear(mesh, rims, sorted, v);
+      opening.centre += mesh.vertex(v) / static_cast<double>(n);
+    }
+  }
+  all.joined = [&rims, &rim](int i, int j) { return rims.joined(rim[i], rim[j]); };
+  const Triangles between =
+      parts.size() == 2 ? zipped(mesh, parts[0], parts[1]) : spanned(mesh, parts, all, all.joined);
+  if (between.rows() == 0) return std::nullopt;
+  const Lid band = makeBand(all, between);
+  const int first = mesh.addVertices(band.vertices, number);
+  rims.addVertices(static_cast<size_t>(band.vertices.rows()));
+  Triangles faces = band.faces;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      int& v = faces(f, k);
+      v = v < static_cast<int>(n) ? rim[v] : first + v - static_cast<int>(n);
+    }
+    for (int k = 0; k < 3; ++k) rims.join(faces(f, k), faces(f, (k + 1) % 3));
+  }
+  mesh.addFaces(faces, number, mesh.turned[outer.ring.front() / 3]);
+  opening.edges = static_cast<int>(n);
+  opening.perimeter = perimeter;
+  opening.newVertices = static_cast<int>(band.vertices.rows());
+  opening.newFaces = static_cast<int>(faces.rows());
+  return opening;
+}
+
 }  // namespace
 
 bool hasShells(const BrokenMesh& mesh) {
@@ -396,55 +588,54 @@ bool hasShells(const BrokenMesh& mesh) {
   return wallOf(copy, rims).has_value();
 }
 
-std::optional<Opening> joinShells(BrokenMesh& mesh) {
-  if (!hasShells(mesh)) return std::nullopt;
+JoinedShells joinShells(BrokenMesh& mesh) {
   orientAlike(mesh);
   {
-    const Rims rims(mesh);
-    const auto shells = wallOf(mesh, rims);
-    for (const bool outer : {true, false}) {
-      const Shell& shell = outer ? shells->first : shells->second;
-      if ((volumeOf(mesh, shell) > 0) == outer) continue;
+    BrokenMesh copy = mesh;
+    const Rims rims(copy);
+    const auto wall = wallOf(copy, rims);
+    if (!wall) return {};
+    const auto turn = [&](const Shell& shell) {
       for (const int f : shell.faces) turnFace(mesh, f);
-    }
+    };
+    if (wall->outer.volume < 0) turn(wall->outer);
+    for (const Shell& inner : wall->inner)
+      if (inner.volume > 0) turn(inner);
   }
-  const Rims rims(mesh);
-  const auto shells = wallOf(mesh, rims);
-  std::vector<int> rim = shells->first.rim, inner = shells->second.rim;
-  std::reverse(inner.begin(), inner.end());
-  const Triangles zip = zipped(mesh, rim, inner);
-  std::vector<int> sorted[2]{rim, inner};
-  for (std::vector<int>& part : sorted) std::sort(part.begin(), part.end());
-  const size_t outerSize = rim.size();
-  rim.insert(rim.end(), inner.begin(), inner.end());
-  const auto n = static_cast<Eigen::Index>(rim.size());
-  Rim both{Points(n, 3), Points::Zero(n, 3), Eigen::VectorXd(n), Points::Zero(n, 3), {}};
-  Opening opening;
-  for (size_t i = 0; i < rim.size(); ++i) {
-    both.points.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(rim[i]);
-    both.spacing[static_cast<Eigen::Index>(i)] =
-        edgeLengthNear(mesh, rims, sorted[i < outerSize ? 0 : 1], rim[i]);
-    opening.centre += mesh.vertex(rim[i]) / static_cast<double>(n);
-  }
-  both.joined = [&rims, &rim](int i, int j) { return rims.joined(rim[i], rim[j]); };
-  const Lid band = makeBand(both, zip);
-  const int first = mesh.addVertices(band.vertices, 1);
-  Triangles faces = band.faces;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      int& v = faces(f, k);
-      v = v < static_cast<int>(n) ? rim[v] : first + v - static_cast<int>(n);
+  Rims rims(mesh);
+  const auto wall = wallOf(mesh, rims);
+  if (!wall) return {};
+  JoinedShells joined;
+  for (size_t o = 0; o < wall->outer.rims.size(); ++o) {
+    std::vector<const ShellRim*> beside;
+    for (size_t i = 0; i < wall->inner.size(); ++i)
+      if (wall->outerRim[i] == static_cast<int>(o))
+        beside.push_back(&wall->inner[i].rims[wall->innerRim[i]]);
+    if (beside.empty()) continue;
+    const auto number = static_cast<int>(joined.rings.size()) + 1;
+    auto ring = joinRims(mesh, rims, wall->outer.rims[o], beside, number);
+    if (!ring) {
+      beside = {beside.front()};
+      ring = joinRims(mesh, rims, wall->outer.rims[o], beside, number);
     }
-  mesh.addFaces(faces, 1, mesh.turned[shells->first.faces.front()]);
-  opening.edges = static_cast<int>(n);
-  opening.perimeter = shells->first.perimeter + shells->second.perimeter;
-  opening.newVertices = static_cast<int>(band.vertices.rows());
-  opening.newFaces = static_cast<int>(faces.rows());
-  return opening;
+    joined.rings.push_back(*ring);
+    joined.shells += static_cast<int>(beside.size());
+    for (size_t i = 0; i < wall->inner.size(); ++i)
+      for (const ShellRim& rim : wall->inner[i].rims) {
+        const bool isJoined = std::any_of(beside.begin(), beside.end(),
+                                          [&](const ShellRim* other) { return other == &rim; });
+        if (!isJoined && rimBeside(mesh, wall->outer, wall->inner[i], rim, wall->thickness[i]) ==
+                             static_cast<int>(o))
+          joined.covered.push_back(rim.centre);
+      }
+  }
+  return joined;
 }
 
 std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progress& progress,
-                                   std::vector<Opening> openings) {
+                                   const JoinedShells& joined) {
+  constexpr double nearby = 0.02;  // of the perimeter
+  std::vector<Opening> openings = joined.rings;
   Rims rims(mesh);
   size_t done = 0;
   for (Ring ring : rims.rings()) {
@@ -464,7 +655,13 @@ std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progr
       continue;
     }
     if (ring.size() == 3 && ring[0] / 3 == ring[1] / 3 && ring[1] / 3 == ring[2] / 3) continue;
-    const Lid lid = makeLid(rimOf(mesh, rims, ring, rim, shape), shape);
+    const bool isCovered =
+        std::any_of(joined.covered.begin(), joined.covered.end(), [&](const Vector3& centre) {
+          return (centre - opening.centre).norm() < nearby * opening.perimeter;
+        });
+    const LidShape own = isCovered ? LidShape::Flat : shape;
+    opening.shape = own;
+    const Lid lid = makeLid(rimOf(mesh, rims, ring, rim, own), own);
     const int number = static_cast<int>(openings.size()) + 1;
     const int first = mesh.addVertices(lid.vertices, number);
     rims.addVertices(static_cast<size_t>(lid.vertices.rows()));

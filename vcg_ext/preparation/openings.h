@@ -2,7 +2,6 @@
 #pragma once
 /// The openings of a mesh, and how they are closed.
 
-#include <optional>
 #include <vector>
 
 #include "vcg_ext/base/progress.h"
@@ -17,24 +16,37 @@ struct Opening {
   Vector3 centre = Vector3::Zero();  ///< mean of the rim
   int newVertices = 0;               ///< of its lid; a crack gets none
   int newFaces = 0;                  ///< 0: its two edges were laid on each other
+  LidShape shape = LidShape::Flat;   ///< of its lid
 };
 
-/// Joins the two sides of a wall, as of a ventricle's inner and outer surface that were saved
-/// without the rim between them, by a ring: where the two parts of largest area (the smaller has a
-/// tenth of the other's at least) are open, each in one place above all, one lies inside the other,
-/// and their rims look the same way and lie side by side. The ring is what connects their points by
-/// the shortest lines (squared, dynamic programming), refined and smoothed as a flat lid; it gets
-/// lid number 1. Inner faces then look inwards. Nothing where the mesh holds no such wall.
-std::optional<Opening> joinShells(BrokenMesh& mesh);
+/// What joinShells did.
+struct JoinedShells {
+  std::vector<Opening> rings;    ///< one for each rim of the outer side that was joined
+  int shells = 0;                ///< inner sides that were
+  std::vector<Vector3> covered;  ///< centres of other rims of inner sides, over which a ring lies
+};
 
-/// Whether it would.
+/// Joins the sides of a wall that were saved without the rims between them, as a ventricle's inner
+/// and outer surface, or the outer surface of both ventricles and their cavities. The outer side is
+/// an open part; inner ones are open parts inside it (each has a tenth of the largest one's area at
+/// least), a rim of which looks the same way as a rim of the outer side and lies beside it or
+/// within it. Each is joined once, at its longest such rim, by a ring, so that the wall becomes a
+/// sphere: a second ring would make a handle, so what else is open on either side is left to
+/// closeOpenings. The ring is what connects the rims' points by the shortest lines (squared,
+/// dynamic programming), between more than two rims the triangulation of smallest area, refined and
+/// smoothed as a flat lid; ring i gets lid number i + 1. Inner faces then look inwards. No rings
+/// where the mesh holds no such wall.
+JoinedShells joinShells(BrokenMesh& mesh);
+
+/// Whether it would join some.
 bool hasShells(const BrokenMesh& mesh);
 
 /// Closes the openings of a mesh whose faces are oriented alike and whose vertices have one fan
 /// each, in the order of their first edge: opening i gets lid number i + 1. A rim that touches
 /// itself where one vertex was split is closed as several. What is left open is where no rim could
-/// be followed round, and a single face. openings: those that are closed already.
+/// be followed round, and a single face. joined: the rings come first; what one of them covers is
+/// closed flat, so that it does not rise through it.
 std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progress& progress = {},
-                                   std::vector<Opening> openings = {});
+                                   const JoinedShells& joined = {});
 
 }  // namespace sphere_propagation

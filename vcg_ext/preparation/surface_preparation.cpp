@@ -79,9 +79,12 @@ PreparedMesh preparedMesh(const Points& vertices, const Triangles& faces,
   if (parameters.removeDuplicateFaces) result.duplicateFaces += dropRepeatedFaces(mesh);
   if (parameters.removeFins) result.sheets = separateSheets(mesh);
   report(progress, 0.3);
+  JoinedShells joined;
   if (parameters.joinShells) {
-    if (const std::optional<Opening> ring = joinShells(mesh)) result.openings.push_back(*ring);
-    result.joinedShells = !result.openings.empty();
+    joined = joinShells(mesh);
+    result.openings = joined.rings;
+    result.rings = static_cast<int>(joined.rings.size());
+    result.joinedShells = joined.shells;
   } else if (parameters.keepLargestComponent || parameters.closeOpenings) {
     result.shells = hasShells(mesh);
   }
@@ -90,8 +93,7 @@ PreparedMesh preparedMesh(const Points& vertices, const Triangles& faces,
   if (parameters.removeDuplicateFaces) result.flatFaces = mendFlatFaces(mesh);
   report(progress, 0.4);
   if (parameters.closeOpenings)
-    result.openings =
-        closeOpenings(mesh, parameters.lid, part(progress, 0.4, 0.9), std::move(result.openings));
+    result.openings = closeOpenings(mesh, parameters.lid, part(progress, 0.4, 0.9), joined);
   if (parameters.removeDuplicateFaces) result.flatFaces += mendFlatFaces(mesh);
   orientOutwards(mesh);
   result.oneSided = isOneSided(mesh);

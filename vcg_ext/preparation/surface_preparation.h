@@ -46,12 +46,13 @@ struct PreparedMesh {
   DroppedSurfaces dropped;
   int turnedFaces = 0;
   std::vector<Opening> openings;  ///< the first of them between shells, where there were some
-  bool joinedShells = false;
-  bool shells = false;          ///< it held the two sides of a wall, which were not joined
-  int handles = 0;              ///< removed
-  double voxelSize = 0;         ///< of the volume in which they were
-  bool oneSided = false;        ///< as a Moebius strip: no step closes or orients it
-  std::optional<Finding> left;  ///< why it is no ClosedSurface yet; nothing where it is one
+  int rings = 0;                  ///< how many of them
+  int joinedShells = 0;           ///< inner sides of a wall that were joined to the outer one
+  bool shells = false;            ///< it held the sides of a wall, which were not joined
+  int handles = 0;                ///< removed
+  double voxelSize = 0;           ///< of the volume in which they were
+  bool oneSided = false;          ///< as a Moebius strip: no step closes or orients it
+  std::optional<Finding> left;    ///< why it is no ClosedSurface yet; nothing where it is one
 };
 
 /// The steps in the order of the parameters, each as far as it is asked for. The order of vertices
