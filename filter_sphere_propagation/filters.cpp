@@ -15,6 +15,7 @@ std::vector<std::unique_ptr<host::Filter>> makeFilters() {
   filters.push_back(makeEvaluationFilter());
   filters.push_back(makeSphereLayersFilter());
   filters.push_back(makeColorFilter());
+  filters.push_back(makeMorphFilter());
   filters.push_back(makeShapeModelFilter());
   filters.push_back(makeFitFilter());
   filters.push_back(makeLayoutFilter());

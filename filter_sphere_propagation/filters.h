@@ -18,6 +18,7 @@ std::unique_ptr<host::Filter> makeRemeshingFilter();     ///< Remesh by icospher
 std::unique_ptr<host::Filter> makeEvaluationFilter();    ///< Evaluate spherical parameterisation
 std::unique_ptr<host::Filter> makeSphereLayersFilter();  ///< Show parameterisation as sphere layers
 std::unique_ptr<host::Filter> makeColorFilter();         ///< Colour by spherical parameterisation
+std::unique_ptr<host::Filter> makeMorphFilter();         ///< Morph between layers
 std::unique_ptr<host::Filter> makeShapeModelFilter();    ///< Build statistical shape model
 std::unique_ptr<host::Filter> makeFitFilter();           ///< Fit shape model
 std::unique_ptr<host::Filter> makePreparationFilter();   ///< Prepare surface

@@ -26,7 +26,7 @@ class LayoutFilter : public host::Filter {
     int count = 0;
     for (const host::LayerKind kind :
          {host::LayerKind::Surface, host::LayerKind::Landmarks, host::LayerKind::Sphere,
-          host::LayerKind::Fit, host::LayerKind::Model}) {
+          host::LayerKind::Fit, host::LayerKind::Morph, host::LayerKind::Model}) {
       std::vector<host::Layer> group;
       for (const host::Layer& layer : task.layers.visible(kind))
         if (!layer.shownBox().isEmpty()) group.push_back(layer);

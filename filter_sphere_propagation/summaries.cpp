@@ -35,7 +35,7 @@ Eigen::AlignedBox3d shownBeside(const host::Layers& layers, host::LayerKind kind
   Eigen::AlignedBox3d box;
   for (const host::LayerKind other :
        {host::LayerKind::Surface, host::LayerKind::Landmarks, host::LayerKind::Sphere,
-        host::LayerKind::Fit, host::LayerKind::Model}) {
+        host::LayerKind::Fit, host::LayerKind::Morph, host::LayerKind::Model}) {
     // The model stands last: what is made anew before it does not move behind it.
     if (other == kind || other == host::LayerKind::Model) continue;
     for (const host::Layer& layer : layers.visible(other)) box.extend(layer.shownBox());

@@ -62,6 +62,11 @@ bool isAnchorsName(const QString& label) {
   return pattern.match(withoutFileEnding(label)).hasMatch();
 }
 
+bool isMorphName(const QString& label) {
+  static const QRegularExpression pattern("\\S to \\S.* \\d+(\\.\\d+)? %( ?\\(\\d+\\))?$");
+  return pattern.match(withoutFileEnding(label)).hasMatch();
+}
+
 }  // namespace
 
 namespace {
@@ -121,6 +126,7 @@ bool Layer::visible() const { return mesh_->isVisible(); }
 LayerKind Layer::kind() const {
   if (isModelName(mesh_->label())) return LayerKind::Model;
   if (isAnchorsName(mesh_->label())) return LayerKind::Anchors;
+  if (isMorphName(mesh_->label())) return LayerKind::Morph;
   if (mark(fitMark)) return LayerKind::Fit;
   if (isUnitSphere(mesh_->cm)) return LayerKind::Sphere;
   if (frequencyOf(mesh_->cm)) return LayerKind::Landmarks;

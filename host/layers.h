@@ -63,6 +63,7 @@ enum class LayerKind {
   Model,      ///< made by the shape model: "mean shape", "mode 1 -3 sd"
   Anchors,    ///< spheres that show anchors: "heart anchors"
   Fit,        ///< a model fitted to a surface (fitMark)
+  Morph,      ///< between two surfaces: "diastole to systole 25 %"
 };
 
 /// The relative precision of the coordinates that the host's meshes hold.

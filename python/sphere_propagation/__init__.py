@@ -44,6 +44,7 @@ from .filters import (
 from .fitting import Fit, fit
 from .model import ShapeModel
 from .model_files import read_model
+from .morphing import Morph, morph
 from .nifti import write_nifti
 from .phantom import Ventricle
 from .preparation import PreparedSurface, prepare
@@ -61,6 +62,7 @@ __all__ = [
     "InputError",
     "LabelSurfaces",
     "Landmarks",
+    "Morph",
     "Optimisation",
     "PluginError",
     "PreparedSurface",
@@ -78,6 +80,7 @@ __all__ = [
     "make_phantom",
     "map_colors",
     "mesh_files",
+    "morph",
     "optimise_groupwise",
     "parameterise_root",
     "prepare",

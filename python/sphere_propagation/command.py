@@ -21,6 +21,7 @@ from . import (
     fitting,
     gallery,
     jobs,
+    morphing,
     pictures,
     plugin,
     progress,
@@ -188,6 +189,24 @@ def _fit(options, make_progress) -> int:
         local_deviation=not options.modes_only,
         label=options.label,
         unit=options.unit,
+    )
+    print(f"\nIn {Path(options.output).resolve()}:")
+    for what in files:
+        print(f"  {what}")
+    return 0
+
+
+def _morph(options, make_progress) -> int:
+    files = morphing.morph_files(
+        options.surfaces,
+        options.output,
+        print,
+        order=ORDERS[options.order],
+        steps=options.steps,
+        connectivity=options.connectivity,
+        frequency=options.frequency,
+        along=options.along,
+        closed=options.closed,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
@@ -554,6 +573,65 @@ def parser() -> argparse.ArgumentParser:
         help="of lengths (default: what landmarks.npz beside the model says, else mm)",
     )
     fit.set_defaults(action=_fit)
+
+    morph = actions.add_parser(
+        "morph",
+        help="shapes between surfaces, as meshes and as an animation",
+        description="Propagates a map over the surfaces, and makes shapes from each to the next.",
+        **_examples(
+            ("sphere-propagation morph A.ply B.ply -o between", "from one to another"),
+            ("sphere-propagation morph phases --order cyclic --closed --along model", "a beat"),
+        ),
+    )
+    morph.add_argument("surfaces", nargs="+", metavar="FILE", help="meshes, or folders of them")
+    morph.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        default="morph",
+        help="where the results go (default: %(default)s)",
+    )
+    morph.add_argument(
+        "--order",
+        choices=list(ORDERS),
+        type=str.lower,
+        default="time",
+        help="who hands the map to whom (default: %(default)s)",
+    )
+    morph.add_argument(
+        "--steps",
+        type=_number(int, 1),
+        default=10,
+        metavar="N",
+        help="shapes between two neighbours (default: %(default)s)",
+    )
+    morph.add_argument(
+        "--connectivity",
+        choices=["icosphere", "union"],
+        type=str.lower,
+        default="icosphere",
+        help="of the shapes: the landmarks', or all vertices and edges of both neighbours, "
+        "which is both exactly at its ends (default: %(default)s)",
+    )
+    morph.add_argument(
+        "--frequency",
+        type=_number(int, 1),
+        default=20,
+        metavar="F",
+        help="of the icosphere: 10 F^2 + 2 vertices (default: %(default)s)",
+    )
+    morph.add_argument(
+        "--along",
+        choices=["linear", "model"],
+        type=str.lower,
+        default="linear",
+        help="straight from each to the next, or smooth through the scores of all "
+        "(default: %(default)s)",
+    )
+    morph.add_argument(
+        "--closed", action="store_true", help="from the last back to the first as well"
+    )
+    morph.set_defaults(action=_morph)
 
     info = actions.add_parser(
         "info",

@@ -23,6 +23,9 @@ SHORT = {
     "published": "As published",
     "cyclic": "Cyclic time",
     "similarity": "Similarity tree",
+    "icosphere": "Common icosphere",
+    "union": "Union of both connectivities",
+    "model": "Shape model",
 }
 # The parameters that have choices, of all filters and of correspond.
 NAMED = {
@@ -34,6 +37,8 @@ NAMED = {
     "pattern": ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio"),
     "part": ("Cavity", "Wall"),
     "pose": ("Search", "As it lies", "Anchors"),
+    "connectivity": ("Common icosphere", "Union of both connectivities"),
+    "along": ("Linear", "Shape model"),
     "coordinates": ("RAS", "LPS"),
     "handle_repair": ("Whichever changes less", "Cut", "Fill"),
     "lid": ("Curved", "Flat"),
@@ -55,8 +60,10 @@ FLAGS = (
     "anisotropic_scaling",
     "area_weights",
     "close_openings",
+    "closed",
     "color_landmarks",
     "cut_handles",
+    "ends",
     "file_series",
     "fill_holes",
     "join_shells",

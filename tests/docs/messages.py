@@ -28,6 +28,7 @@ DESCRIPTIONS = (
     "::describe() const {",
     "patterns[]{",  # what the dialog calls them
     "schemes[]{",
+    "connectivities[]{",
 )
 IN_PYTHON = re.compile(r".*(Error|warn|Warning|note|exit)$")
 

@@ -22,6 +22,7 @@ SPHERES = "generate_sphere_layers"
 COLOR = "compute_color_from_spherical_parameterisation_per_vertex"
 PREPARE = "apply_surface_preparation"
 MODEL = "compute_statistical_shape_model"
+MORPH = "generate_morph"
 LAYOUT = "apply_layers_side_by_side"
 FIT = "compute_shape_model_fit"  # needs a file, so it is none of those that run as they come
 FILTERS = [
@@ -36,6 +37,7 @@ FILTERS = [
     SPHERES,
     MODEL,
     COLOR,
+    MORPH,
     LAYOUT,
 ]
 
@@ -51,6 +53,7 @@ MENU_OF = {
     SPHERES: "Show parameterisation as sphere layers",
     COLOR: "Colour by spherical parameterisation",
     MODEL: "Build statistical shape model",
+    MORPH: "Morph between layers",
     LAYOUT: "Lay layers side by side",
 }
 

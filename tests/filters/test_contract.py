@@ -14,6 +14,7 @@ from documents import (
     LOAD,
     MENU_OF,
     MODEL,
+    MORPH,
     PHANTOM,
     PREPARE,
     PROPAGATE,
@@ -96,6 +97,16 @@ PARAMETERS = {
         "store_area_ratio": False,
         "landmark_layers": True,
     },
+    MORPH: {
+        "steps": 3,
+        "connectivity": ["Common icosphere", "Union of both connectivities"],
+        "frequency": 10,
+        "along": ["Linear", "Shape model"],
+        "closed": False,
+        "ends": True,
+        "beside_surfaces": False,
+        "threads": 0,
+    },
     MODEL: {
         "alignment": ["Similarity", "Rigid", "None"],
         "leave_out_lids": ["Most shapes", "Any shape", "Never"],
@@ -155,6 +166,7 @@ RETURNED = {
     EVALUATE: {"valid", "degree", "root", *FIGURES},
     SPHERES: {"layers"},
     COLOR: {"layers"},
+    MORPH: {"from", "to", "share", "volume", "vertices", "layers", "crossings", "seconds"},
     LAYOUT: {"layers", "side_by_side"},
     MODEL: {
         "eigenvalues",
@@ -257,13 +269,11 @@ def test_returned_keys_are_documented(name):
 def test_new_layers_are_called_after_their_source(tour):
     surfaces = [f"phantom cavity {t:02d}" for t in range(3)]
     model = ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd", "mode 2 -3 sd", "mode 2 +3 sd"]
-    assert (
-        labels(tour[0])
-        == surfaces
-        + [s + " landmarks" for s in surfaces]
-        + [s + " sphere" for s in surfaces]
-        + model
-    )
+    assert labels(tour[0]) == surfaces + [s + " landmarks" for s in surfaces] + [
+        s + " sphere" for s in surfaces
+    ] + model + [f"{surfaces[0]} to {surfaces[1]} {share} %" for share in (0, 25, 50, 75, 100)] + [
+        f"{surfaces[1]} to {surfaces[2]} {share} %" for share in (25, 50, 75, 100)
+    ]
 
 
 def test_sphere_layers_are_the_surface_on_the_sphere(tour):

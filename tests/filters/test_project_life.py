@@ -226,7 +226,8 @@ def test_all_filters_twice_in_one_project():
     first = run_all(ms)
     before = snapshot(ms)
     second = run_all(ms)
-    assert ms.mesh_number() == 3 * 4 + 1 + 2 * 3  # surfaces, landmarks, spheres; mean and modes
+    # surfaces, landmarks, spheres; mean and modes; morphs
+    assert ms.mesh_number() == 3 * 4 + (1 + 2 * 3) + (3 * 4 + 1)
     assert all(same(a, b) for a, b in zip(first, second))
     assert snapshot(ms) == before
 

@@ -45,9 +45,10 @@ FILTERS = {  # menu entry -> menus that show it
     "Fit shape model": {"Mesh Layer"},
     "Prepare surface": {"Cleaning and Repairing"},
     "Load anchors": {"Mesh Layer"},
+    "Morph between layers": {"Mesh Layer"},
     "Lay layers side by side": {"Mesh Layer"},
 }
-ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-4]
+ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-5]
 PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
 IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"
