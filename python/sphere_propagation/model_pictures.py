@@ -15,6 +15,7 @@ from .pictures import (
     PUBLISHED,
     ROBUST,
     Scene,
+    add_image,
     new_figure,
     panel_title,
     panels,
@@ -91,8 +92,13 @@ def modes(
     rotation = upright(model.mean, up)
     seen = np.concatenate([model.mean, *shapes.values()]) @ rotation.T
     center, extent = (seen.min(0) + seen.max(0)) / 2, 0.53 * (seen.max(0) - seen.min(0))[:2]
-    scale = 150 / extent.max()
-    size = [max(2, round(2 * length * scale)) for length in extent]
+    cells = 3 * max(shown, 1)
+    width, dpi = 1.5 * cells + 0.5, 100
+    wide = (width - 0.2) / max(shown, 1) / width  # a mode
+    # Pixels of the page, so that none has to be interpolated.
+    size = [max(2, int((shown - 0.04) * wide * width * dpi / (cells + (shown - 1) / 8)))]
+    scale = size[0] / (2 * extent[0])
+    size.append(max(2, round(2 * extent[1] * scale)))
     gap = size[0] // 8  # between modes
     across = shown * (3 * size[0] + gap) - gap
     scene = Scene(across, size[1])
@@ -102,13 +108,10 @@ def modes(
         colors = displacement_colors(moved[key], reach)
         panel.surface(shape, model.faces, colors, soft_normals(shape, model.faces))
 
-    cells = 3 * max(shown, 1)
-    ratio = extent[1] / extent[0]
-    width = 1.5 * cells + 0.5
-    picture = (width - 0.5) / cells * ratio
+    picture = size[1] / dpi
     top, bottom = 1.0, 1.2
     height = picture + top + bottom
-    figure = new_figure(width, height)
+    figure = new_figure(width, height, dpi)
     figure.text(
         0.25 / width,
         1 - 0.3 / height,
@@ -118,13 +121,10 @@ def modes(
         weight="bold",
         va="center",
     )
-    wide = (width - 0.2) / max(shown, 1) / width
     if shown:
-        sheet = figure.add_axes(
-            [0.1 / width + 0.02 * wide, bottom / height, (shown - 0.04) * wide, picture / height]
-        )
-        sheet.imshow(scene.parts([(0, 0, across, size[1])])[0])
-        sheet.axis("off")
+        left = 0.1 / width + 0.02 * wide
+        place = (left, bottom / height, across / dpi / width, picture / height)
+        add_image(figure, scene.parts([(0, 0, across, size[1])])[0], place)
     for m in range(shown):
         left = 0.1 / width + m * wide
         share = model.eigenvalues[m] / model.total_variance

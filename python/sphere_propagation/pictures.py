@@ -136,7 +136,7 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
     """Error against known material points, one panel per row; `errors`: method -> mm per phase, one
     dict per row."""
-    figure, axes = panels(5.2 * len(rows) + 0.6, 4.2, (1,) * len(rows), dpi=200, sharey=True)
+    figure, axes = panels(5.2 * len(rows) + 0.6, 4.2, (1,) * len(rows), dpi=120, sharey=True)
     top = max(values.max() for found in errors for values in found.values())
     for axis, row, found in zip(axes, rows, errors):
         for (method, values), color in zip(found.items(), (ROBUST, PUBLISHED)):
@@ -233,9 +233,14 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
         weight="bold",
         va="center",
     )
+
+    def fitting(image, caption) -> float:
+        return min(27, 1.6 * (image.shape[1] + gap) / max(len(caption), 1))
+
+    # Captions of one size, unless one of them is much longer than others.
+    common = min(fitting(*pair) for row, words in zip(panels, captions) for pair in zip(row, words))
     # All images as one: an axis for each would cost more than they do.
     page = np.full((height, width, 3), 255, np.uint8)
-    sheet = figure.add_axes([0, 0, 1, 1])
     top = header
     for i, (row, words) in enumerate(zip(panels, captions)):
         y = top
@@ -246,17 +251,15 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
         for image, caption in zip(row, words):
             h, w = image.shape[:2]
             page[y : y + h, x : x + w] = image
-            size = min(27, 1.6 * (w + gap) / max(len(caption), 1))
+            size = max(common, 0.75 * fitting(image, caption))
             text(x + w / 2, y + h + line / 2, caption, size, color=GREY, ha="center", va="center")
             x += w + gap
         top += heights[i] + gap
-    sheet.imshow(page, interpolation="none", aspect="auto")
-    sheet.axis("off")
+    add_image(figure, page, (0, 0, 1, 1))
     if key:
-        bar = figure.add_axes([0.34, 60 / height, 0.32, 56 / height])
         longitude, latitude = np.linspace(0, 1, 400), np.linspace(1, -1, 60)
-        bar.imshow(place_colors(longitude[None], latitude[:, None]), aspect="auto")
-        bar.axis("off")
+        colors = place_colors(longitude[None], latitude[:, None])
+        add_image(figure, colors, (0.34, 60 / height, 0.32, 56 / height))
         middle, left, right = height - 88, 0.333 * width, 0.667 * width
         text(left, middle, "place on the sphere: west", 26, color=GREY, ha="right", va="center")
         text(right, middle, "east; light is north", 26, color=GREY, ha="left", va="center")
@@ -278,7 +281,7 @@ def _spacing(result: Correspondence) -> float:
     return float(np.median(np.linalg.norm(points[faces[:, 0]] - points[faces[:, 1]], axis=1)))
 
 
-def new_figure(width: float, height: float, dpi: float = 130):
+def new_figure(width: float, height: float, dpi: float = 100):
     """An empty one; in inches. Without pyplot, which is for figures on the screen."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -286,6 +289,18 @@ def new_figure(width: float, height: float, dpi: float = 130):
     figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
+
+
+def add_image(figure, image, place: Sequence[float]) -> None:
+    """At a place of a figure: left, below, width, height, in parts of it. Without axes, whose ticks
+    would be made, and measured, only to be hidden."""
+    from matplotlib.image import BboxImage
+    from matplotlib.transforms import Bbox, TransformedBbox
+
+    where = TransformedBbox(Bbox.from_bounds(*place), figure.transFigure)
+    shown = BboxImage(where, interpolation="none", origin="upper", zorder=-1)
+    shown.set_data(image)
+    figure.add_artist(shown)
 
 
 MARGINS = (1.06, 0.22, 0.62, 0.46)  # inches: left, right, below and above a panel with axes
@@ -296,7 +311,7 @@ def panels(
     height: float,
     widths: Sequence[float] = (1,),
     *,
-    dpi: float = 130,
+    dpi: float = 100,
     sharey: bool = False,
 ):
     """A figure of so many inches, and axes side by side in it, with so wide parts of it each. The
@@ -639,13 +654,11 @@ def _normals_of(surface: Surface) -> np.ndarray:
 def soft_normals(vertices, faces, rounds=3) -> np.ndarray:
     """Vertex normals, averaged over neighbours so that the steps of voxels do not show."""
     a, b, c = faces.T
-    face = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
+    face = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a]).T
+    corners = faces.ravel()
     for _ in range(rounds + 1):
-        sums = [
-            np.bincount(faces.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)
-        ]
-        normals = np.stack(sums, 1)
-        lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
-        normals /= np.maximum(lengths, 1e-300)[:, None]
-        face = normals[a] + normals[b] + normals[c]
-    return normals
+        # A row per direction: numpy is slow along the short axis of an array.
+        normals = np.stack([np.bincount(corners, np.repeat(row, 3), len(vertices)) for row in face])
+        normals /= np.maximum(np.sqrt((normals**2).sum(0)), 1e-300)
+        face = normals[:, a] + normals[:, b] + normals[:, c]
+    return np.ascontiguousarray(normals.T)

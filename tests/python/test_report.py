@@ -246,6 +246,16 @@ def test_margins_have_room_for_labels():
             assert box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
 
 
+def test_images_keep_their_pixels(tmp_path):
+    figure = pictures.new_figure(2, 1)
+    image = np.random.default_rng(0).integers(0, 255, (50, 200, 3), np.uint8)
+    pictures.add_image(figure, image, (0, 0.5, 1, 0.5))  # the upper half
+    pictures.save(figure, [tmp_path / "x.png", tmp_path / "x.svg"])
+    with Image.open(tmp_path / "x.png") as found:
+        assert (np.asarray(found)[:50] == image).all() and (np.asarray(found)[50:] == 255).all()
+    assert "<image" in (tmp_path / "x.svg").read_text()
+
+
 def test_pictures_are_as_large_as_the_page_shows_them(cycle, tmp_path):
     for draw in (pictures.maps_on_surfaces, pictures.root_and_sphere):
         draw([Row("heart", cycle)], tmp_path / "x.png")
