@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/groupwise/description_length.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "vcg_ext/base/eigen_system.h"
 
 namespace sphere_propagation {
 
@@ -16,12 +17,12 @@ DescriptionLength descriptionLengthOf(const PopulationPose& pose, double cut) {
     rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(weighted.data(), weighted.size());
   }
   const Eigen::MatrixXd gram = rows * rows.transpose() / static_cast<double>(count);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(gram);
+  const EigenSystem modes = eigenSystemOf(gram);
   DescriptionLength length;
-  for (const double value : modes.eigenvalues())
+  for (const double value : modes.values)
     length.cost += value > cut ? 1 + std::log(value / cut) : std::max(value, 0.0) / cut;
-  const Eigen::VectorXd slopes = modes.eigenvalues().cwiseMax(cut).cwiseInverse();
-  length.pull = modes.eigenvectors() * slopes.asDiagonal() * modes.eigenvectors().transpose();
+  const Eigen::VectorXd slopes = modes.values.cwiseMax(cut).cwiseInverse();
+  length.pull = modes.vectors * slopes.asDiagonal() * modes.vectors.transpose();
   // The mean moves along.
   length.pull.rowwise() -= Eigen::RowVectorXd(length.pull.colwise().mean());
   length.pull.colwise() -= Eigen::VectorXd(length.pull.rowwise().mean());

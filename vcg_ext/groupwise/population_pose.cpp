@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/groupwise/population_pose.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/vertex_locator.h"
@@ -78,7 +78,7 @@ double moveTowards(const VertexLocator& mean, const Eigen::VectorXd& weights, co
     system(6, 6) = 1;
     right[6] = 0;
   }
-  const Vector7 step = system.ldlt().solve(right);
+  const Vector7 step = solveSymmetric(system, right);
   if (!step.allFinite()) return 0;
   const double angle = step.head<3>().norm(), scale = std::exp(step[6]);
   const Eigen::Matrix3d rotation =

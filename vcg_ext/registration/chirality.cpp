@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/registration/chirality.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/registration/pose_starts.h"
 
 namespace sphere_propagation {
@@ -69,7 +69,7 @@ Affine affinely(const Isometry& start, const PreparedSurface& from, const Prepar
     }
     matrix.diagonal().head<9>().array() += strainRidge * weights;
     matrix.diagonal().tail<3>().array() += 1e-6 * weights;
-    const Vector12 step = matrix.ldlt().solve(vector);
+    const Vector12 step = solveSymmetric(matrix, vector);
     if (!step.allFinite() || step.norm() < 1e-3) break;
     Eigen::Matrix3d strain;
     strain << step.segment<3>(0).transpose(), step.segment<3>(3).transpose(),

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/registration/shape_alignment.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/registration/pose_starts.h"
 
 namespace sphere_propagation {
@@ -55,7 +55,7 @@ RigidMotion refinedByPlanes(const RigidMotion& start, const PreparedSurface& fro
       vector += weight * row * n.dot(p - x) / to.radius();
     }
     matrix.diagonal().array() += 1e-6 * matrix.trace() / 6;  // round shapes turn freely: stay
-    const Eigen::Matrix<double, 6, 1> step6 = matrix.ldlt().solve(vector);
+    const Eigen::Matrix<double, 6, 1> step6 = solveSymmetric(matrix, vector);
     const Vector3 turn = step6.head<3>();
     const double angle = turn.norm();
     if (!step6.allFinite()) break;

@@ -3,8 +3,9 @@
 
 #include "vcg_ext/root_map/moebius_balancing.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "vcg_ext/base/dense_cholesky.h"
 
 namespace sphere_propagation {
 namespace {
@@ -35,7 +36,7 @@ Points balanceByMoebius(Points positions, const Eigen::VectorXd& weights) {
     // where all x are collinear.
     const Eigen::Matrix3d hessian = (1 + 1e-9) * Eigen::Matrix3d::Identity() -
                                     positions.transpose() * shares.asDiagonal() * positions;
-    Vector3 w = 0.5 * hessian.ldlt().solve(mean);
+    Vector3 w = 0.5 * solveSymmetric(hessian, mean);
     if (w.norm() > 0.9) w *= 0.9 / w.norm();
     // Close to the end the decrease is below rounding; there the full step is right.
     while (mean.norm() > 1e-6 && energy(positions, shares, w) >= 0 && w.norm() > 1e-12) w /= 2;

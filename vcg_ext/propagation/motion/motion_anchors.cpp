@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_anchors.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "vcg_ext/base/dense_cholesky.h"
+#include "vcg_ext/base/eigen_system.h"
 #include "vcg_ext/base/statistics.h"
+#include "vcg_ext/propagation/motion/dense_kernels.h"
 
 namespace sphere_propagation {
 namespace {
@@ -75,21 +76,21 @@ Eigen::VectorXd LayerAnchors::pull(const Eigen::VectorXd& c) const {
 }
 
 Eigen::MatrixXd LayerAnchors::priorCovariance(const MotionPrior& prior) const {
-  return unit_ * rows_ * prior.precision.llt().solve(Eigen::MatrixXd(rows_.transpose()));
+  return unit_ * rows_ * DenseCholesky(prior.precision).solve(Eigen::MatrixXd(rows_.transpose()));
 }
 
 double LayerAnchors::widening(const Eigen::VectorXd& before, const MotionPrior& prior) const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(priorCovariance(prior));
-  const Eigen::ArrayXd variances = axes.eigenvalues().array().max(0);
-  const Eigen::VectorXd along = axes.eigenvectors().transpose() * residual(before);
+  const EigenSystem axes = eigenSystemOf(priorCovariance(prior));
+  const Eigen::ArrayXd variances = axes.values.array().max(0);
+  const Eigen::VectorXd along = axes.vectors.transpose() * residual(before);
   return Explanation{variances, along.array().square(), deviation_ * deviation_}.widening();
 }
 
 std::vector<std::pair<int, int>> LayerAnchors::exchanged(const Eigen::VectorXd& before,
                                                          const MotionPrior& prior) const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(priorCovariance(prior));
-  const Eigen::ArrayXd variances = axes.eigenvalues().array().max(0);
-  const Eigen::MatrixXd toAxes = axes.eigenvectors().transpose();
+  const EigenSystem axes = eigenSystemOf(priorCovariance(prior));
+  const Eigen::ArrayXd variances = axes.values.array().max(0);
+  const Eigen::MatrixXd toAxes = axes.vectors.transpose();
   const Eigen::VectorXd along = toAxes * residual(before);
   const auto best = [&](const Eigen::VectorXd& r) {
     const Explanation explanation{variances, r.array().square(), deviation_ * deviation_};
@@ -125,7 +126,7 @@ std::vector<std::pair<int, int>> LayerAnchors::exchanged(const Eigen::VectorXd& 
 }
 
 Eigen::VectorXd LayerAnchors::step(const Eigen::VectorXd& before, const MotionPrior& prior) const {
-  return (information_ + prior.precision).llt().solve(pull(before));
+  return DenseCholesky(information_ + prior.precision).solve(pull(before));
 }
 
 std::vector<double> LayerAnchors::distances(const Eigen::VectorXd& c) const {
@@ -141,13 +142,13 @@ std::vector<double> LayerAnchors::standardised(const Eigen::VectorXd& before,
   // inverse.
   Eigen::MatrixXd covariance = priorCovariance(prior);
   covariance.diagonal().array() += deviation_ * deviation_;
-  const Eigen::MatrixXd inverse = covariance.inverse();
+  const Eigen::MatrixXd inverse = inverseOf(covariance);
   const Eigen::VectorXd solved = inverse * residual(before);
   std::vector<double> squares;
   for (Eigen::Index k = 0; k < solved.size(); k += 3) {
     const Vector3 own = solved.segment<3>(k);
     const Eigen::Matrix3d block = inverse.block<3, 3>(k, k);
-    squares.push_back(own.dot(block.llt().solve(own)) / 3);
+    squares.push_back(own.dot(block.inverse() * own) / 3);
   }
   const double spread = squares.size() < 2 ? 1 : std::max(1.0, medianOf(squares) / medianOfSquares);
   for (double& square : squares) square = std::sqrt(std::max(0.0, square) / spread);

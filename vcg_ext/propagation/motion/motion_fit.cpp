@@ -66,7 +66,7 @@ ArcFit fitArcTo(const MotionModel& model, const PreparedSurface& target,
     if (i == 0 || start.size() == 0) {
       e.matrix = informationOf(model, data) / prior.noise;
       if (anchors != nullptr) e.matrix += anchors->information();
-      fit.factor.compute(e.matrix + prior.precision);
+      fit.factor = DenseCholesky(e.matrix + prior.precision);
     }
     e.vector = pullOf(model, data) / prior.noise + e.matrix * (fit.coefficients - before);
     if (anchors != nullptr) e.vector += anchors->pull(fit.coefficients);

@@ -11,10 +11,10 @@
 /// number and 3000 where it has fewer. Point to plane only: where a surface slides along itself,
 /// the prior Sigma decides. c counts in units of sqrt(A0/2), so that Sigma has no unit.
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/propagation/motion/motion_anchors.h"
@@ -34,9 +34,9 @@ struct ArcEquations {
 struct ArcFit {
   Eigen::VectorXd coefficients;
   ArcEquations equations;
-  Eigen::LLT<Eigen::MatrixXd> factor;  ///< of H + Sigma^-1
-  double distance = 0;  ///< mean, of the nodes from their closest points, when those were last
-                        ///< looked for; NaN: none
+  DenseCholesky factor;  ///< of H + Sigma^-1
+  double distance = 0;   ///< mean, of the nodes from their closest points, when those were last
+                         ///< looked for; NaN: none
 };
 
 /// Iterations of an arc's fit that starts where the last one ended, and of one that another fit has
@@ -55,8 +55,8 @@ ArcFit fitArc(const MotionModel& model, const PreparedSurface& target,
 
 /// What a fit to a surface leaves for another one to the same surface with the same prior.
 struct ArcSystem {
-  const Eigen::MatrixXd& matrix;              ///< H
-  const Eigen::LLT<Eigen::MatrixXd>& factor;  ///< of H + Sigma^-1
+  const Eigen::MatrixXd& matrix;  ///< H
+  const DenseCholesky& factor;    ///< of H + Sigma^-1
 };
 
 /// One iteration from a good start, with the H of another fit. Returns the coefficients.
@@ -72,9 +72,9 @@ Eigen::VectorXd fitArcAgain(const MotionModel& model, const PreparedSurface& tar
 constexpr double maxEdgesApart = 2;
 
 struct MotionFit {
-  std::vector<Eigen::VectorXd> coefficients;         ///< of each surface; zero at the root
-  std::vector<ArcEquations> equations;               ///< of each surface; empty at the root
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;  ///< of H + Sigma^-1; empty at the root
+  std::vector<Eigen::VectorXd> coefficients;  ///< of each surface; zero at the root
+  std::vector<ArcEquations> equations;        ///< of each surface; empty at the root
+  std::vector<DenseCholesky> factors;         ///< of H + Sigma^-1; empty at the root
   /// Of each surface, whether the fit lost it (maxEdgesApart). The surfaces behind it come from the
   /// nearest one up the tree that is not lost.
   std::vector<char> lost;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_learning.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "vcg_ext/base/conjugate_gradients.h"
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 
@@ -37,7 +37,7 @@ AffineSystem withoutLocal(const ArcEquations& e, double localVariance) {
   inner.diagonal().array() += 1 / localVariance;
   Eigen::MatrixXd right(local, affine + 1);
   right << e.matrix.topRightCorner(local, affine), e.vector.head(local);
-  const Eigen::MatrixXd solved = inner.llt().solve(right);
+  const Eigen::MatrixXd solved = DenseCholesky(std::move(inner)).solve(std::move(right));
   const Eigen::MatrixXd mixed = e.matrix.bottomLeftCorner(affine, local);
   return {e.matrix.bottomRightCorner(affine, affine) - mixed * solved.leftCols(affine),
           e.vector.tail(affine) - mixed * solved.col(affine)};

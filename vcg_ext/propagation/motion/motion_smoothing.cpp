@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_smoothing.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "vcg_ext/base/conjugate_gradients.h"
+#include "vcg_ext/base/dense_cholesky.h"
+#include "vcg_ext/base/eigen_system.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_data.h"
-#include "vcg_ext/propagation/motion/spectrum.h"
 #include "vcg_ext/propagation/motion/surface_errors.h"
 
 namespace sphere_propagation {
@@ -67,14 +67,15 @@ LayerSums sumsOf(const MotionModel& model, const MotionData& data,
     rows(i, columns + q + f) = static_cast<float>(root * data.offsets[i] / unit);
   }
   const Eigen::MatrixXf all = sumOfOuterProducts(rows);
-  const Spectrum own = spectrumOf(all.block(columns + q, columns + q, f, f).cast<double>());
+  const EigenSystem own = eigenSystemOf(all.block(columns + q, columns + q, f, f).cast<double>());
   const Eigen::MatrixXf turn = own.vectors.cast<float>();
   LayerSums sums;
   sums.bb = all.topLeftCorner(columns, columns);
   sums.bq = all.block(0, columns, columns, q);
   sums.qq = all.block(columns, columns, q, q).cast<double>();
-  sums.bf = all.block(0, columns + q, columns, f) * turn;
-  sums.qf = all.block(columns, columns + q, q, f) * turn;
+  const Eigen::MatrixXf withOwn = Eigen::MatrixXf(all.block(0, columns + q, columns + q, f)) * turn;
+  sums.bf = withOwn.topRows(columns);
+  sums.qf = withOwn.bottomRows(q);
   sums.ff = own.values.cwiseMax(0.0);
   const Eigen::VectorXf offsets = all.rightCols<1>();
   sums.br = offsets.head(columns).cast<double>();
@@ -107,24 +108,25 @@ class Preconditioner {
  public:
   Preconditioner(const Eigen::MatrixXd& meanOfData, const MotionPrior& prior,
                  const Eigen::MatrixXd& inTime)
-      : time_(spectrumOf(inTime)) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(prior.precision);
-    Eigen::MatrixXd whitened = factor.matrixL().solve(meanOfData);
-    whitened = factor.matrixL().solve(Eigen::MatrixXd(whitened.transpose()));
-    Spectrum data = spectrumOf(whitened);
+      : time_(eigenSystemOf(inTime)) {
+    const DenseCholesky factor(prior.precision);
+    const Eigen::MatrixXd whitened = factor.solveLower(factor.solveLower(meanOfData).transpose());
+    const EigenSystem data = eigenSystemOf(whitened);
     data_ = data.values.cwiseMax(1e-6);
-    basis_ = factor.matrixU().solve(data.vectors);
+    basis_ = factor.solveUpper(data.vectors);
   }
   /// times: what the data count now, over when it was made.
   Eigen::MatrixXd applied(const Eigen::MatrixXd& x, double times) const {
-    Eigen::MatrixXd inner = basis_.transpose() * (x * time_.vectors);
+    const Eigen::MatrixXd along = x * time_.vectors;
+    Eigen::MatrixXd inner = basis_.transpose() * along;
     for (Eigen::Index t = 0; t < inner.cols(); ++t)
       inner.col(t).array() /= times * data_.array() + time_.values[t];
-    return (basis_ * inner) * time_.vectors.transpose();
+    inner = basis_ * inner;
+    return inner * time_.vectors.transpose();
   }
 
  private:
-  Spectrum time_;
+  EigenSystem time_;
   Eigen::VectorXd data_;
   Eigen::MatrixXd basis_;
 };
@@ -186,7 +188,9 @@ class SmoothingSystem {
       shares_[k] = shares.cast<float>();
       const Eigen::MatrixXf qf = s.qf * shares_[k].asDiagonal();
       const auto scale = static_cast<float>(rootSize_ / noises.white);
-      coupling_[k] = scale * (s.bq - s.bf * qf.transpose());
+      coupling_[k] = s.bq;
+      coupling_[k] -= s.bf * qf.transpose();
+      coupling_[k] *= scale;
       const Eigen::VectorXd own = shares.cwiseProduct(s.fr);
       right_.col(t) = (s.br - s.bf.cast<double>() * own) / noises.white;
       rootMatrix[k] =
@@ -199,8 +203,9 @@ class SmoothingSystem {
       matrix += rootMatrix[k];
       rootRight_ += rootRight[k];
     }
-    rootFactor_.compute(matrix);
-    right_ -= problem.prior.precision * (problem.start / problem.unit * problem.inTime);
+    rootFactor_ = DenseCholesky(std::move(matrix));
+    const Eigen::MatrixXd start = problem.start / problem.unit;
+    right_ -= boundBy(start);
     const Eigen::VectorXf share = rootFactor_.solve(rootRight_).cast<float>();
     for (size_t k = 0; k < count; ++k)
       right_.col(static_cast<Eigen::Index>(k)) -= (coupling_[k] * share).cast<double>();
@@ -208,7 +213,7 @@ class SmoothingSystem {
 
   /// The root's errors integrated out as well.
   Eigen::MatrixXd times(const Eigen::MatrixXd& x) const {
-    Eigen::MatrixXd y = problem_.prior.precision * (x * problem_.inTime);
+    Eigen::MatrixXd y = boundBy(x);
     const auto scale = static_cast<float>(1 / noises_.white);
     Eigen::MatrixXd ofRoot(problem_.rootErrors.cols(), problem_.count());
     problem_.pool.forEach(problem_.count(), [&](int t) {
@@ -242,6 +247,12 @@ class SmoothingSystem {
   }
 
  private:
+  /// What the prior and the arcs say of x.
+  Eigen::MatrixXd boundBy(const Eigen::MatrixXd& x) const {
+    const Eigen::MatrixXd inTime = x * problem_.inTime;
+    return problem_.prior.precision * inTime;
+  }
+
   const SmoothingProblem& problem_;
   Noises noises_;
   double rootSize_;
@@ -249,7 +260,7 @@ class SmoothingSystem {
   std::vector<Eigen::MatrixXf> coupling_;
   Eigen::MatrixXd right_;
   Eigen::VectorXd rootRight_;
-  Eigen::LLT<Eigen::MatrixXd> rootFactor_;
+  DenseCholesky rootFactor_;
 };
 
 /// The mean over surfaces of the median distance of the nodes from each, in `unit`.
