@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-only
 // "Spherical parameterise root": the current layer gets an area-preserving map to the unit sphere.
 
+#include <Eigen/Geometry>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "filter_sphere_propagation/anchor_sources.h"
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/largest_layer.h"
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "host/help.h"
+#include "vcg_ext/anchors/anchor_file.h"
+#include "vcg_ext/anchors/anchor_places.h"
 #include "vcg_ext/mesh/sphere_fit.h"
+#include "vcg_ext/root_map/placed_root_map.h"
 #include "vcg_ext/root_map/root_map.h"
 
 namespace sphere_propagation {
@@ -27,6 +38,9 @@ class RootFilter : public host::Filter {
         help_.parameter("initial_map", host::choiceOf(initialMaps, RootMapParameters{}.initialMap))
             .withNote(sizeNote(layers)),
         help_.parameter("area_weight", RootMapParameters{}.areaWeight),
+        help_.parameter("anchor_positions",
+                        host::Parameter::File{
+                            "Places on the sphere (*.csv *.tsv *.txt *.json *.pp);;All files (*)"}),
         help_.parameter("threads", RootMapParameters{}.threads).asAdvanced()};
   }
 
@@ -38,8 +52,13 @@ class RootFilter : public host::Filter {
     parameters.threads = task.values.integer("threads");
     const host::Layer layer = task.layers.current();
     const MeshSurface mesh = layer.surface();
-    const RootMapResult result =
-        makeRootMap(mesh.surface, parameters, part(task.progress, 0, 0.95));
+    const std::string positions = task.values.file("anchor_positions");
+    Places places;  // before the long work
+    if (!positions.empty()) places = readPlaces(task, layer, positions);
+    RootMapResult result = makeRootMap(mesh.surface, parameters,
+                                       part(task.progress, 0, positions.empty() ? 0.95 : 0.5));
+    std::optional<Eigen::VectorXd> moved;
+    if (!positions.empty()) moved = place(task, places, parameters, result);
     const auto storageNote = task.changes.setMap(layer, mesh, result.map);
     const MapMeasures measures = measureMap(mesh.surface, result.map.positions());
     if (!result.failures.empty())
@@ -53,14 +72,70 @@ class RootFilter : public host::Filter {
              " s (" + nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") +
              ", " + counted(result.steps, "step", "steps") + ")");
     task.say(messages::rootMade, layer.label());
-    return {{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
-            {"area_ratio_sd", measures.areaRatioSd},
-            {"area_log_mean", measures.areaLogMean},
-            {"angle_error_mean", measures.angleErrorMean},
-            {"seconds", seconds}};
+    host::Outputs outputs{{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
+                          {"area_ratio_sd", measures.areaRatioSd},
+                          {"area_log_mean", measures.areaLogMean},
+                          {"angle_error_mean", measures.angleErrorMean},
+                          {"seconds", seconds}};
+    if (moved) outputs["anchor_moved"] = *moved;
+    return outputs;
   }
 
  private:
+  /// The layer's anchors and where they are to lie on the sphere.
+  struct Places {
+    AnchorSet anchors;  ///< those that have a place
+    std::vector<std::string> names;
+    std::vector<Vector3> targets;
+  };
+
+  static Places readPlaces(const host::Task& task, const host::Layer& layer,
+                           const std::string& file) {
+    const AnchorList wanted = readSpherePlaces(file);
+    AnchorSet anchors = layer.anchors();
+    if (anchors.empty()) anchors = anchorsBeside(task, layer, AnchorFrame::World);
+    if (!wanted.ambiguous.empty())
+      task.sayOf(layer, messages::anchorsTwice, namesIn(wanted.ambiguous), file);
+    Places places;
+    std::vector<std::string> missing;
+    for (const auto& [name, target] : wanted.anchors) {
+      const auto found = anchors.find(name);
+      if (found == anchors.end()) {
+        missing.push_back(name);
+        continue;
+      }
+      places.anchors.insert(*found);
+      places.names.push_back(name);
+      places.targets.push_back(target);
+    }
+    if (places.names.empty()) throw host::Refusal(messages::noAnchorsToPlace, layer.label(), file);
+    if (!missing.empty()) task.sayOf(layer, messages::placesWithoutAnchor, namesIn(missing), file);
+    warnOfFarAnchors(task, layer, places.anchors);
+    return places;
+  }
+
+  /// Moves the map. Returns by how many degrees each anchor went.
+  static Eigen::VectorXd place(const host::Task& task, const Places& places,
+                               const RootMapParameters& parameters, RootMapResult& result) {
+    const ClosedSurface& surface = result.map.surface();
+    const std::vector<SurfacePoint> points = closestPoints(
+        SurfaceLocator(surface.vertices(), surface.faces()), places.anchors, places.names);
+    ThreadPool pool(parameters.threads);
+    PlacedRootMap placed =
+        placeAnchors(result.map, points, places.targets, places.names, parameters.areaWeight,
+                     part(task.progress, 0.5, 0.95), &pool);
+    Eigen::VectorXd moved(static_cast<Eigen::Index>(points.size()));
+    for (size_t k = 0; k < points.size(); ++k) {
+      const Vector3 from = placeOf(result.map, points[k]), to = places.targets[k];
+      moved[static_cast<Eigen::Index>(k)] =
+          std::atan2(from.cross(to).norm(), from.dot(to)) * 180 / pi;
+    }
+    task.say(messages::anchorsPlaced, points.size(), placed.turn * 180 / pi,
+             placed.longestWay * 180 / pi);
+    result.map = std::move(placed.map);
+    return moved;
+  }
+
   /// A sphere looks the same from all sides.
   static const host::Message* sphereNote(const host::Layer& layer, const ClosedSurface& surface) {
     constexpr double round = 1e-4;

@@ -258,6 +258,7 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         anchor_sd=options.anchor_sd,
         exact=options.exact_anchors,
         anchor_snap=options.anchor_snap,
+        anchor_positions=options.anchor_positions,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
     preparation = steps if options.prepare else None
@@ -805,6 +806,12 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         action="store_true",
         help="the root's anchors become landmarks, and with --exact-anchors those of all meshes; "
         "where --frequency is a multiple of 10",
+    )
+    add(
+        "--anchor-positions",
+        metavar="FILE",
+        help="where the root's anchors are to lie on the sphere: a table of name, longitude, "
+        "latitude (degrees), or name, x, y, z",
     )
     add(
         "--labels",

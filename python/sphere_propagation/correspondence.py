@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import List, Optional, Sequence
 
 import numpy as np
@@ -23,6 +24,7 @@ from .filters import (
 from .parameters import (
     DEFAULTS,
     NAMED,
+    AnchorPositions,
     Anchors,
     CorrespondenceParameters,
     Parents,
@@ -90,6 +92,7 @@ def correspond(
     anchor_sd: float = DEFAULTS.anchor_sd,
     exact: bool = DEFAULTS.exact,
     anchor_snap: bool = DEFAULTS.anchor_snap,
+    anchor_positions: AnchorPositions = DEFAULTS.anchor_positions,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
@@ -104,6 +107,7 @@ def correspond(
     groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
     as optimise_groupwise does; for shapes in no order.
     anchors, anchor_sd, exact, anchor_snap: points that must correspond, as of propagate.
+    anchor_positions: where the root's anchors are to lie on the sphere, as of parameterise_root.
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
@@ -124,6 +128,7 @@ def correspond(
         anchor_sd=anchor_sd,
         exact=exact,
         anchor_snap=anchor_snap,
+        anchor_positions=anchor_positions,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
 
@@ -160,10 +165,17 @@ def _correspond(
             surfaces[root],
             initial_map=parameters.initial_map,
             area_weight=parameters.area_weight,
+            anchors=_anchors_of_root(parameters.anchors, root),
+            anchor_positions=parameters.anchor_positions,
         )
         progress.done(
             f"root map of {surfaces[root].name}: {root_map.figures['flipped_faces']} flipped "
             f"faces, area ratio sd {root_map.figures['area_ratio_sd']:.4f}"
+        )
+    elif parameters.anchor_positions is not None:
+        raise InputError(
+            "anchor_positions are for the map of the root that is made, not for one "
+            "that is given (root_map)."
         )
     root_map = as_map(root_map)
     name = parameters.method.lower()
@@ -216,6 +228,10 @@ def _correspond(
         lid=2 * landmarks.lid.sum(0) >= len(surfaces),
         anchors=_renumbered(propagation.anchors, parameters.frequency),
     )
+
+
+def _anchors_of_root(anchors: Anchors, root: int):
+    return anchors if anchors is None or isinstance(anchors, (str, Path)) else anchors[root]
 
 
 def _renumbered(anchors: Optional[AnchorFit], frequency: int) -> Optional[AnchorFit]:

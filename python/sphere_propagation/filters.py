@@ -8,6 +8,9 @@ depth is in the filters' help and in docs/. Every map that comes back is certifi
 
 from __future__ import annotations
 
+import contextlib
+import csv
+import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Dict, List, Mapping, Optional, Sequence, Union
@@ -20,6 +23,7 @@ from .model import ShapeModel
 from .parameters import (
     DEFAULTS,
     NAMED,
+    AnchorPositions,
     Anchors,
     Parents,
     in_full,
@@ -32,6 +36,7 @@ from .sphere_map import MapLike, SphereMap, as_map
 from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces, counted
 
 ROOT = "compute_spherical_parameterisation_root"
+LOAD = "load_anchors_to_layers"
 PROPAGATE = "transfer_spherical_parameterisation_to_layers"
 GROUPWISE = "compute_spherical_parameterisation_groupwise"
 REMESH = "generate_icosphere_remeshing"
@@ -266,22 +271,85 @@ def parameterise_root(
     *,
     initial_map: str = DEFAULTS.initial_map,
     area_weight: float = DEFAULTS.area_weight,
+    anchors: Union[None, str, Path, Mapping[str, Sequence[float]]] = None,
+    anchor_positions: AnchorPositions = DEFAULTS.anchor_positions,
     threads: int = 0,
 ) -> SphereMap:
     """An area-preserving map of one surface to the unit sphere.
 
     initial_map: where the minimisation starts, one of INITIAL_MAPS. area_weight: 0 to 1; 1 asks for
     equal areas alone, as far as validity allows, 0 for angles alone; the default all but preserves
-    areas. threads: how many work on large surfaces, 0 for as many as the machine runs at once; the
-    map is the same with any number.
+    areas.
+    anchors: points of the surface by name, or a folder with a file of them, called as the surface.
+    anchor_positions: where on the sphere they are to lie: a dictionary of directions (x, y, z) or
+    (longitude, latitude) in degrees, or a file (docs/anchors.md). threads: how many work on large
+    surfaces, 0 for as many as the machine runs at once; the map is the same with any number.
 
-    Raises FilterError when the surface is not closed, has handles or several parts.
+    Raises FilterError when the surface is not closed, has handles or several parts, and when its
+    anchors cannot lie there.
     """
-    meshes = layers.mesh_set([as_surface(surface)])
-    figures = layers.apply(
-        meshes, ROOT, initial_map=initial_map, area_weight=area_weight, threads=threads
-    )
+    surface = as_surface(surface)
+    folder = str(anchors) if isinstance(anchors, (str, Path)) else ""
+    meshes = layers.mesh_set([surface], anchors=[{} if folder else _places(0, anchors)])
+    if folder and anchor_positions is not None:
+        layers.apply(meshes, LOAD, file_name=anchors_of(folder, 1)[1])
+    with positions_file(anchor_positions) as positions:
+        figures = layers.apply(
+            meshes,
+            ROOT,
+            initial_map=initial_map,
+            area_weight=area_weight,
+            anchor_positions=positions,
+            threads=threads,
+        )
+    figures.pop("anchor_moved", None)
     return layers.map_of(meshes.mesh(0), figures)
+
+
+@contextlib.contextmanager
+def positions_file(positions: AnchorPositions):
+    """The file that the filter reads; empty where there are none."""
+    if positions is None or isinstance(positions, (str, Path)):
+        yield "" if positions is None else str(positions)
+        return
+    if not isinstance(positions, Mapping):
+        raise InputError(
+            "anchor_positions must be a file or a dictionary, name -> (x, y, z) or (longitude, "
+            f"latitude), not {type(positions).__name__}."
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "positions.csv"
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(["name", "x", "y", "z"])
+            for name, place in positions.items():
+                rows.writerow([name, *map(repr, direction_of(str(name), place))])
+        yield str(path)
+
+
+def direction_of(name: str, place) -> List[float]:
+    """A direction from x, y, z or from longitude and latitude in degrees."""
+    try:
+        numbers = np.asarray(place, float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.shape not in ((2,), (3,)) or not np.isfinite(numbers).all() or not name:
+        raise InputError(
+            f"The position of anchor {name!r} must be a direction (x, y, z), or longitude and "
+            f"latitude in degrees, not {place!r}."
+        )
+    if len(numbers) == 3:
+        if not numbers.any():
+            raise InputError(f"The position of anchor {name!r} has no direction.")
+        return numbers.tolist()
+    if abs(numbers[1]) > 90:
+        raise InputError(f"The latitude of anchor {name!r} must lie between -90 and 90 degrees.")
+    east, north = np.radians(numbers)
+    return [
+        float(np.cos(north) * np.cos(east)),
+        float(np.cos(north) * np.sin(east)),
+        float(np.sin(north)),
+    ]
 
 
 def _maps_with_figures(meshes, figures, count: int) -> List[SphereMap]:

@@ -52,6 +52,10 @@ Parents = Union[str, Sequence[int]]  # as "-1, 0, 1", or a list of numbers
 Anchors = Union[None, str, Path, Sequence[Optional[Mapping[str, Sequence[float]]]]]
 
 
+# A file of places on the sphere, or name -> (x, y, z) or (longitude, latitude) in degrees.
+AnchorPositions = Union[None, str, Path, Mapping[str, Sequence[float]]]
+
+
 # The parameters that are on or off, of all filters.
 FLAGS = (
     "align_slices",
@@ -98,6 +102,7 @@ class CorrespondenceParameters:
     anchor_sd: float = 0.0
     exact: bool = False
     anchor_snap: bool = False
+    anchor_positions: AnchorPositions = None
 
 
 DEFAULTS = CorrespondenceParameters()

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -219,6 +220,23 @@ TEST_F(AnchorFile, IsFoundInAFolderByItsName) {
   EXPECT_EQ(anchorFileIn(folder, "heart"), plain);
   EXPECT_EQ(anchorFileIn(folder, "heart.ply"), exact);
   EXPECT_EQ(anchorFileIn(folder, "phase 0.5"), dotted);
+}
+
+TEST_F(AnchorFile, GivesPlacesOnTheSphere) {
+  const AnchorList degrees = readSpherePlaces(
+      written("a.csv", "name,longitude,latitude\napex,0,-90\nbase,90,0\nside,180,45\nnone,,\n"));
+  ASSERT_EQ(degrees.anchors.size(), 3U);
+  EXPECT_LT((degrees.anchors.at("apex") - Vector3(0, 0, -1)).norm(), 1e-15);
+  EXPECT_LT((degrees.anchors.at("base") - Vector3(0, 1, 0)).norm(), 1e-15);
+  EXPECT_LT((degrees.anchors.at("side") - Vector3(-1, 0, 1) / std::sqrt(2.0)).norm(), 1e-15);
+  EXPECT_EQ(degrees.undefined, Names{"none"});
+  EXPECT_EQ(readSpherePlaces(written("b.tsv", "lat\tname\tlon\n0\ta\t90\n")).anchors.at("a"),
+            degrees.anchors.at("base"));
+  const AnchorList directions = readSpherePlaces(written("c.csv", "name,x,y,z\nup,0,0,7\n"));
+  EXPECT_EQ(directions.anchors.at("up"), Vector3(0, 0, 1));
+  EXPECT_THROW(readSpherePlaces(written("d.csv", "name,lon,lat\na,0,91\n")), RangeError);
+  EXPECT_THROW(readSpherePlaces(written("e.csv", "name,x,y,z\na,0,0,0\n")), RangeError);
+  EXPECT_THROW(readSpherePlaces(written("f.csv", "name,lon,lat\na,east,1\n")), AnchorError);
 }
 
 }  // namespace

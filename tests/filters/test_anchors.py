@@ -7,7 +7,18 @@ import json
 import numpy as np
 import pymeshlab
 import pytest
-from documents import LOAD, PROPAGATE, REMESH, ROOT, add, has_attribute, labels, layer, positions
+from documents import (
+    LOAD,
+    PROPAGATE,
+    REMESH,
+    ROOT,
+    add,
+    has_attribute,
+    labels,
+    layer,
+    positions,
+    refused,
+)
 from documents import small_cycle as cycle
 from surfaces import egg
 
@@ -250,3 +261,51 @@ def test_anchors_follow_their_layer_through_a_preparation(tmp_path):
     mesh.add_vertex_custom_point_attribute(place, "anchor_a")
     ms.apply_filter("apply_surface_preparation")
     assert np.allclose(anchor(ms.mesh(0), "a"), np.asarray(vertices)[7])
+
+
+POSITIONS = "name,longitude,latitude\napex,0,-90\nbase,0,90\nleft side,90,10\nnowhere,0,0\n"
+
+
+def place_on_sphere(mesh, point):
+    """Of a vertex."""
+    at = np.linalg.norm(mesh.vertex_matrix() - point, axis=1).argmin()
+    return positions(mesh)[at]
+
+
+def test_the_roots_anchors_lie_where_they_are_asked_to(tmp_path):
+    ms = cycle(1)
+    points = places(ms.mesh(0))
+    (tmp_path / "phantom cavity 00.csv").write_text(
+        "".join(f"{name},{x:.17g},{y:.17g},{z:.17g}\n" for name, (x, y, z) in points.items())
+    )
+    (tmp_path / "positions.csv").write_text(POSITIONS)
+    with refused(ms, "none of the anchors"):
+        ms.apply_filter(ROOT, anchor_positions=str(tmp_path / "positions.csv"))
+    ms = cycle(1)
+    free = ms.apply_filter(ROOT)["area_ratio_sd"]
+    ms.apply_filter(LOAD, file_name=str(tmp_path))
+    returned = ms.apply_filter(ROOT, anchor_positions=str(tmp_path / "positions.csv"))
+    wanted = [[0, 0, -1], [0, 0, 1], [0, np.cos(np.radians(10)), np.sin(np.radians(10))]]
+    for point, place in zip(points.values(), wanted):
+        np.testing.assert_allclose(place_on_sphere(ms.mesh(0), point), place, atol=1e-11)
+    assert returned["flipped_faces"] == 0 and len(returned["anchor_moved"]) == 3
+    assert returned["area_ratio_sd"] < free + 0.5
+    assert any("nowhere" in str(remark) for remark in remarks(returned))
+
+
+def test_places_that_cannot_be_are_refused(tmp_path):
+    ms = cycle(1)
+    points = places(ms.mesh(0))
+    (tmp_path / "a.csv").write_text(
+        "".join(f"{name},{x:.17g},{y:.17g},{z:.17g}\n" for name, (x, y, z) in points.items())
+    )
+    ms.apply_filter(LOAD, file_name=str(tmp_path / "a.csv"))
+    for text, words in (
+        ("name,x,y,z\napex,0,0,1\nbase,0,0,2\n", "lie in one place"),
+        ("name,lon,lat\napex,0,100\n", "latitude"),
+        ("name,x,y,z\napex,0,0,0\n", "direction"),
+        ("name,x,y,z\napex,one,0,0\n", "three numbers"),
+    ):
+        (tmp_path / "positions.csv").write_text(text)
+        with refused(ms, words):
+            ms.apply_filter(ROOT, anchor_positions=str(tmp_path / "positions.csv"))

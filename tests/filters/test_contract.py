@@ -51,6 +51,7 @@ PARAMETERS = {
     ROOT: {
         "initial_map": ["Automatic", "Brechbuehler", "Harmonic"],
         "area_weight": 0.9,
+        "anchor_positions": "",
         "threads": 0,
     },
     LOAD: {"file_name": "", "coordinates": ["World", "Mesh"], "show_anchors": False},

@@ -76,3 +76,44 @@ def test_bad_choices_are_refused(surfaces):
         sp.correspond(surfaces, anchor_sd=-1)
     with pytest.raises(sp.InputError, match="exact must be True or False"):
         sp.correspond(surfaces, exact="yes")
+
+
+def test_the_roots_anchors_lie_where_they_are_asked_to(surfaces, tmp_path):
+    wanted = {"apex": (0, 0, -2), "left side": (180, 30)}
+    anchors = [anchors_of(surface) for surface in surfaces]
+    places = np.array([[0, 0, -1], [-np.sqrt(0.75), 0, 0.5]])
+    at = [np.linalg.norm(surfaces[0].vertices - p, axis=1).argmin() for p in anchors[0].values()]
+    (tmp_path / "cavity.csv").write_text(
+        "\n".join(f"{name},{x!r},{y!r},{z!r}" for name, (x, y, z) in anchors[0].items())
+    )
+    alone = sp.parameterise_root(surfaces[0], anchors=anchors[0], anchor_positions=wanted)
+    np.testing.assert_allclose(alone.positions[at], places, atol=1e-11)
+    (tmp_path / "positions.txt").write_text("name lon lat\napex 0 -90\n")
+    result = sp.correspond(
+        surfaces,
+        anchors=anchors,
+        anchor_positions=tmp_path / "positions.txt",
+        exact=True,
+        root=0,
+        frequency=4,
+    )
+    for anchor, surface, sphere in zip(anchors, surfaces, result.maps):
+        vertex = np.linalg.norm(surface.vertices - anchor["apex"], axis=1).argmin()
+        np.testing.assert_allclose(sphere.positions[vertex], places[0], atol=1e-9)
+
+
+def test_wrong_positions_are_named(surfaces):
+    anchors = anchors_of(surfaces[0])
+    for wrong, words in (
+        ([1], "must be a file or a dictionary"),
+        ({"apex": "up"}, "must be a direction"),
+        ({"apex": (0, 0, 0)}, "has no direction"),
+        ({"apex": (0, 91)}, "latitude"),
+    ):
+        with pytest.raises(sp.InputError, match=words):
+            sp.parameterise_root(surfaces[0], anchors=anchors, anchor_positions=wrong)
+    with pytest.raises(sp.FilterError, match="has none of the anchors"):
+        sp.parameterise_root(surfaces[0], anchor_positions={"apex": (0, 0, 1)})
+    given = sp.parameterise_root(surfaces[0])
+    with pytest.raises(sp.InputError, match="anchor_positions"):
+        sp.correspond(surfaces, root=0, root_map=given, anchor_positions={"apex": (0, 0, 1)})

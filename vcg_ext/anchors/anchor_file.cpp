@@ -320,14 +320,20 @@ std::optional<Columns> columnsFrom(const std::vector<std::string>& header) {
 
 bool isPlaceholder(const std::string& text) { return text.empty() || numberIn(text).has_value(); }
 
+/// The separator of a table's columns.
+char separatorOf(const std::string& line) {
+  char separator = ' ';
+  for (const char candidate : {'\t', ';', ','})
+    if (line.find(candidate) != std::string::npos) separator = candidate;
+  return separator;
+}
+
 AnchorList readTable(const Reader& file) {
   std::vector<Line> comments;
   const std::vector<Line> lines = linesOf(file.text(), comments);
   AnchorList list;
   if (lines.empty()) return list;
-  char separator = ' ';
-  for (const char candidate : {'\t', ';', ','})
-    if (lines[0].text.find(candidate) != std::string::npos) separator = candidate;
+  const char separator = separatorOf(lines[0].text);
   std::optional<Columns> columns = columnsFrom(fieldsOf(lines[0].text, separator));
   size_t number = 0;
   for (size_t i = columns ? 1 : 0; i < lines.size(); ++i) {
@@ -359,6 +365,41 @@ AnchorList readTable(const Reader& file) {
   return list;
 }
 
+/// A table of longitudes and latitudes in degrees, as unit vectors; nothing where its first line
+/// names no such columns.
+std::optional<AnchorList> readLongitudes(const Reader& file) {
+  std::vector<Line> comments;
+  const std::vector<Line> lines = linesOf(file.text(), comments);
+  if (lines.empty()) return std::nullopt;
+  const char separator = separatorOf(lines[0].text);
+  std::optional<size_t> name, longitude, latitude;
+  const std::vector<std::string> header = fieldsOf(lines[0].text, separator);
+  for (size_t i = 0; i < header.size(); ++i) {
+    const std::string word = lower(header[i]);
+    if (word == "name" || word == "label" || word == "landmark") name = i;
+    if (word == "longitude" || word == "lon") longitude = i;
+    if (word == "latitude" || word == "lat") latitude = i;
+  }
+  if (!longitude || !latitude) return std::nullopt;
+  AnchorList degrees, list;
+  for (size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> fields = fieldsOf(lines[i].text, separator);
+    const auto field = [&](size_t at) { return at < fields.size() ? fields[at] : ""; };
+    const std::string east = field(*longitude), north = field(*latitude);
+    file.add(degrees, numbered(name ? field(*name) : "", i),
+             {east, north, east.empty() && north.empty() ? "" : "0"}, lineNumber(lines[i]));
+  }
+  list.undefined = degrees.undefined;
+  list.ambiguous = degrees.ambiguous;
+  for (const auto& [anchor, place] : degrees.anchors) {
+    requireRange("latitude of \"" + anchor + "\"", place[1], Range::between(-90, 90));
+    const double east = place[0] * pi / 180, north = place[1] * pi / 180;
+    list.anchors[anchor] = Vector3(std::cos(north) * std::cos(east),
+                                   std::cos(north) * std::sin(east), std::sin(north));
+  }
+  return list;
+}
+
 const std::vector<std::string> tableEndings{".csv", ".tsv", ".txt", ".pts", ".xyz", ".particles"};
 
 /// Where anchors of NAME are looked for.
@@ -382,6 +423,19 @@ AnchorList readAnchors(const std::string& file) {
   if (isOf(".fcsv")) return readFiducials(Reader(file));
   if (std::any_of(tableEndings.begin(), tableEndings.end(), isOf)) return readTable(Reader(file));
   throw AnchorError(Finding(Fault::AnchorFileUnknown, file));
+}
+
+AnchorList readSpherePlaces(const std::string& file) {
+  const std::string name = lower(file);
+  if (std::any_of(tableEndings.begin(), tableEndings.end(),
+                  [&](const std::string& ending) { return endsWith(name, ending); }))
+    if (std::optional<AnchorList> list = readLongitudes(Reader(file))) return std::move(*list);
+  AnchorList list = readAnchors(file);
+  for (auto& [anchor, place] : list.anchors) {
+    requireRange("length of the direction of \"" + anchor + "\"", place.norm(), Range::above(0));
+    place.normalize();
+  }
+  return list;
 }
 
 std::vector<std::string> anchorFilesBeside(const std::string& mesh) {

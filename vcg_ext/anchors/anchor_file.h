@@ -26,6 +26,11 @@ namespace sphere_propagation {
 /// says what is wrong and where.
 AnchorList readAnchors(const std::string& file);
 
+/// Places on the sphere, by name: a table with columns name, longitude and latitude (degrees; lon
+/// and lat will do), or any file of anchors, whose places are taken as directions. Unit vectors.
+/// Throws AnchorError, and RangeError where a latitude is beyond 90 degrees or a direction zero.
+AnchorList readSpherePlaces(const std::string& file);
+
 /// The files beside a mesh that hold its anchors, best first: NAME_picked_points.pp, NAME.mrk.json,
 /// NAME.csv, NAME.fcsv, NAME.pp. mesh: its file, which need not be there. (NAME.json and NAME.txt
 /// may be anything.)

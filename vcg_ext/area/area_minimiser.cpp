@@ -170,6 +170,7 @@ void AreaMinimiser::assemble(const Points& positions) {
       diagonal_[v] << cast(diagonal[0]), cast(diagonal[1]), cast(diagonal[1]), cast(diagonal[2]);
       preconditioner_[v] << cast(scale * diagonal[2]), cast(-scale * diagonal[1]),
           cast(-scale * diagonal[1]), cast(scale * diagonal[0]);
+      if (!stays_.empty() && stays_[static_cast<size_t>(v)]) preconditioner_[v].setZero();
     }
   });
 }

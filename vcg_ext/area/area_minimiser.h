@@ -3,6 +3,7 @@
 /// The global step of the area-preserving map: Gauss-Newton over all vertices at once, never
 /// leaving validity.
 
+#include <utility>
 #include <vector>
 
 #include "vcg_ext/area/area_energy.h"
@@ -31,6 +32,9 @@ class AreaMinimiser {
   AreaMinimiser(const ClosedSurface& surface, std::vector<FaceTarget> targets,
                 ThreadPool* pool = nullptr)
       : AreaMinimiser(FaceRings::of(surface), std::move(targets), pool) {}
+
+  /// Vertices that no step moves. held: #V, 1 for each of them; empty: none.
+  void hold(std::vector<char> held) { stays_ = std::move(held); }
 
   /// Energy of the positions (#V by 3 unit vectors); infinity when a face is not admissible.
   double energy(const AreaEnergyWeights& weights, const Points& positions) const;
@@ -79,6 +83,7 @@ class AreaMinimiser {
   std::vector<Frame> frame_;
   std::vector<Block> diagonal_, offDiagonal_, preconditioner_;
   std::vector<Tangent2> gradient_, step_, residual_, search_, image_;
+  std::vector<char> stays_;
   std::vector<double> solidAngle_;
   std::vector<float> share_;
   std::vector<std::vector<int>> held_;  // faces that hold up a step, by range of faces

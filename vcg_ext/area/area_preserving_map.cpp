@@ -32,6 +32,7 @@ AreaPreservingResult makeAreaPreserving(const MappedSurface& start,
   const AreaEnergyWeights weights = energyWeights(parameters.areaWeight);
   const ClosedSurface& surface = start.surface();
   AreaMinimiser minimiser(surface, faceTargets(surface.vertices(), surface.faces()), pool);
+  minimiser.hold(parameters.held);
   AreaPreservingResult result{start, 0};
   Points positions = start.positions();
   result.steps = minimiseInStages(minimiser, weights, positions, progress);

@@ -2,6 +2,8 @@
 #pragma once
 /// From a valid map to an area-preserving one.
 
+#include <vector>
+
 #include "vcg_ext/area/area_energy.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
@@ -13,6 +15,7 @@ struct AreaPreservingParameters {
   /// In [0, 1]. 1: areas alone, as far as validity allows; 0: angles alone. The default all but
   /// preserves area and spends what freedom is left on angles.
   double areaWeight = 0.9;
+  std::vector<char> held = {};  ///< #V, 1 for each vertex that stays where it is; empty: none
 };
 
 struct AreaPreservingResult {
