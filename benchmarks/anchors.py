@@ -29,6 +29,10 @@ RUNS = [
     (12, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
     (3, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
 ]
+# The same with a twist of so many degrees from the lowest to the highest point added, as it grows
+# and falls over the cycle.
+TWIST = 40.0
+TWISTED = [(0, 0.0, 1, {}), (6, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0})]
 
 
 def far_apart(points, count):
@@ -40,9 +44,15 @@ def far_apart(points, count):
     return chosen
 
 
-def with_anchors(files, truth, count, noise, seed):
-    """The project with a map of its first layer."""
+def with_anchors(files, truth, count, noise, seed, twist=None):
+    """The project with a map of its first layer. twist: of points and the number of their phase."""
     project = load_layers(files)
+    if twist:
+        surfaces = [(mesh.vertex_matrix(), mesh.face_matrix()) for mesh in project]
+        project = pymeshlab.MeshSet()
+        for phase, (points, faces) in enumerate(surfaces):
+            project.add_mesh(pymeshlab.Mesh(twist(points, phase), faces), f"phase {phase:02d}")
+        project.set_current_mesh(0)
     project.apply_filter("compute_spherical_parameterisation_root")
     random = np.random.default_rng(seed)
     chosen = far_apart(truth[0][0], count) if count else []
@@ -53,6 +63,16 @@ def with_anchors(files, truth, count, noise, seed):
                 np.tile(place, (mesh.vertex_number(), 1)), f"anchor_{k:02d}"
             )
     return project
+
+
+def twisted(points, phase, phases, low, high, middle):
+    """Points of a phase, turned about the vertical axis by their height and the time."""
+    grown = np.radians(TWIST) * np.sin(np.pi * phase / phases) ** 2
+    angle = grown * (points[:, 2] - low) / (high - low)
+    x, y = (points[:, :2] - middle).T
+    c, s = np.cos(angle), np.sin(angle)
+    turned = np.stack([c * x - s * y, s * x + c * y], 1) + middle
+    return np.column_stack([turned, points[:, 2]])
 
 
 def main():
@@ -66,10 +86,19 @@ def main():
     files = sorted((data / "heart_truth/mc").glob("*.ply"))
     print("| anchors | noise (mm) | asked | worst / mean error (mm) | flips | CPU s |")
     print("| --- | --- | --- | --- | --- | --- |")
-    for count, noise, seeds, asked in RUNS:
+    low, high = truth[0][0][:, 2].min(), truth[0][0][:, 2].max()
+    middle = truth[0][0][:, :2].mean(0)
+
+    def twist(points, phase):
+        return twisted(points, phase, len(files), low, high, middle)
+
+    as_it_is, turned = truth, [(twist(v, i), f) for i, (v, f) in enumerate(truth)]
+    runs = [(*run, None) for run in RUNS] + [(*run, twist) for run in TWISTED]
+    for count, noise, seeds, asked, way in runs:
+        truth = turned if way else as_it_is
         worst, mean, flips, seconds = [], [], 0, []
         for seed in range(seeds):
-            project = with_anchors(files, truth, count, noise, seed)
+            project = with_anchors(files, truth, count, noise, seed, way)
             start = time.process_time()
             returned = project.apply_filter(
                 "transfer_spherical_parameterisation_to_layers", order="Cyclic time", **asked
@@ -82,6 +111,7 @@ def main():
             worst.append(max(errors))
             mean.append(np.mean(errors))
         words = ", ".join(f"{k} {v}" for k, v in asked.items()) or "none"
+        words += f", twist of {TWIST:g} degrees" if way else ""
         print(
             f"| {count} | {noise:g} | {words} | {np.mean(worst):.2f} / {np.mean(mean):.2f} | "
             f"{flips} | {np.mean(seconds):.1f} |",

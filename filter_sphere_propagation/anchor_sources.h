@@ -14,6 +14,14 @@ namespace sphere_propagation {
 /// An anchor farther off its surface than so many mean edge lengths is named.
 constexpr double maxAnchorEdges = 5;
 
+/// A mark (host/layers.h) of layers whose maps hold anchors exactly: 1, and 2 where they no longer
+/// do.
+constexpr const char* anchorsHeldMark = "anchors_held";
+constexpr int anchorsHeld = 1, anchorsNotHeld = 2;
+inline bool holdsAnchors(const host::Layer& layer) {
+  return layer.mark(anchorsHeldMark) == anchorsHeld;
+}
+
 /// The frame of a file's places.
 enum class AnchorFrame {
   World,  ///< where the layer is shown, its matrix applied, as MeshLab's Pick Points saves them

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "filter_sphere_propagation/anchor_sources.h"
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/mapped_layers.h"
 #include "filter_sphere_propagation/messages.h"
@@ -111,6 +112,13 @@ class GroupwiseFilter : public host::Filter {
     task.say(messages::groupwiseVariance, optimised.varianceBefore, optimised.varianceAfter);
     if (optimised.surfacePrecision > 0)
       task.say(messages::groupwisePrecision, optimised.surfacePrecision);
+    std::vector<std::string> held;
+    for (const MappedLayer& layer : layers) {
+      if (!holdsAnchors(layer.layer)) continue;
+      held.push_back(layer.layer.label());
+      task.changes.setMark(layer.layer, anchorsHeldMark, anchorsNotHeld);
+    }
+    if (!held.empty()) task.sayNaming(held, messages::groupwiseMovesAnchors, namesIn(held));
     task.say(messages::groupwiseIsFor);
     task.say(messages::mapsOptimised, count, hiddenLeftOut(task.layers, host::LayerKind::Surface));
     host::Outputs outputs = {

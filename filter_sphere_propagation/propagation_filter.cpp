@@ -190,6 +190,10 @@ class PropagationFilter : public host::Filter {
     warnOfSides(task, participants, sides, mirrors);
     host::Outputs outputs = write(task, participants, propagated.layers, !landmarks.empty());
     outputs["mirrored"] = mirrored;
+    const bool held = !parameters.anchors.layers.empty() && asked.anchors.use == AnchorUse::Exact;
+    for (const host::Layer& layer : participants.layers)
+      if (held || holdsAnchors(layer))
+        task.changes.setMark(layer, anchorsHeldMark, held ? anchorsHeld : anchorsNotHeld);
     reportAnchors(task, participants, parameters.anchors, propagated.layers, outputs);
     if (!landmarks.empty())
       outputs["anchor_landmark"] =

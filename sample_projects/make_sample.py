@@ -3,6 +3,7 @@
 as they end. Run by scripts/make-sample."""
 
 import dataclasses
+import math
 import shutil
 import sys
 from pathlib import Path
@@ -32,6 +33,20 @@ for surface in surfaces:
     write_ply(path, surface.vertices, surface.faces)
     layers.append(ProjectLayer(surface.name, path))
 write_project(folder / "ventricle.mlp", layers)
+
+# Anchors, as MeshLab's Pick Points saves them: tissue that the phantom's formula follows. In a
+# folder of their own: beside the surfaces they would be taken without being asked for.
+ventricle = sp.Ventricle(phases=len(surfaces))
+tissue = {"apex": (0, 0), "front": (0.6, 0), "left": (0.6, 2.1), "right": (0.6, 4.2)}  # u, theta
+(folder / "anchors").mkdir()
+for phase, surface in enumerate(surfaces):
+    lines = []
+    for name, (u, theta) in tissue.items():
+        place = ventricle.position(u, theta, 0, phase) @ rotation.T
+        x, y, z = min(surface.vertices.tolist(), key=lambda point: math.dist(point, place))
+        lines.append(f'    <point x="{x:.5f}" y="{y:.5f}" z="{z:.5f}" active="1" name="{name}"/>')
+    text = "\n".join(["<!DOCTYPE PickedPoints>", "<PickedPoints>", *lines, "</PickedPoints>", ""])
+    (folder / "anchors" / f"ventricle_{phase}_picked_points.pp").write_text(text)
 
 # To look at: what the filters make of it, side by side.
 sp.write_layers(folder, "finished", Row("finished", result, up=rotation @ (0, 0, 1)))

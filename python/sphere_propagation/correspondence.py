@@ -204,6 +204,10 @@ def _correspond(
     )
     maps = propagation.maps
     if parameters.groupwise and len(surfaces) > 1:
+        if parameters.exact and propagation.anchors is not None:
+            attention.warn(
+                "groupwise moves the anchors that exact holds: where they must hold, leave it out."
+            )
         maps = _optimised(surfaces, maps, parameters.order, figures, name, progress, unit)
     progress.begin(f"{name}: landmarks")
     landmarks = remesh(surfaces, maps, frequency=parameters.frequency)

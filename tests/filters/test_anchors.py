@@ -20,6 +20,7 @@ from documents import (
     refused,
 )
 from documents import small_cycle as cycle
+from environment import PROJECT
 from surfaces import egg
 
 NAMES = ("apex", "base", "left side")
@@ -309,3 +310,18 @@ def test_places_that_cannot_be_are_refused(tmp_path):
         (tmp_path / "positions.csv").write_text(text)
         with refused(ms, words):
             ms.apply_filter(ROOT, anchor_positions=str(tmp_path / "positions.csv"))
+
+
+@pytest.mark.parametrize("way", ["at random", "as a twist"])
+def test_anchors_that_are_moved_far_hold_and_the_maps_stay_valid(tmp_path, monkeypatch, way):
+    """benchmarks/exact_anchors.py on a small sequence."""
+    monkeypatch.syspath_prepend(str(PROJECT / "benchmarks"))
+    import exact_anchors
+
+    ms, files = cycle(2), []
+    for i in range(2):
+        files.append(tmp_path / f"{i}.ply")
+        ms.set_current_mesh(i)
+        ms.save_current_mesh(str(files[-1]))
+    flips, worst, growth, _ = exact_anchors.hold(files, "Time", way, 0.1, 0)
+    assert flips == 0 and worst < 1e-11 and growth < 8

@@ -119,3 +119,26 @@ def test_layers_without_a_map_are_left_out(eggs):
     assert len(found["tangential_move"]) == 3 and b"leftOutWithoutMap" in bytes(
         found["warnings"].astype(np.uint8)
     )
+
+
+def test_anchors_that_held_exactly_are_said_to_move(eggs):
+    ms = project(eggs)
+    for mesh in ms:
+        v = mesh.vertex_matrix()
+        tip = np.tile(v[v[:, 0].argmax()], (len(v), 1))
+        mesh.add_vertex_custom_point_attribute(tip, "anchor_tip")
+    words = "held anchors exactly"
+
+    def warned():
+        returned = ms.apply_filter(GROUPWISE, iterations=1)
+        return words in bytes(map(int, returned.get("warnings", []))).decode()
+
+    ms.set_current_mesh(0)
+    ms.apply_filter(PROPAGATE, order="Star", anchors="Soft")
+    assert not warned()
+    ms.apply_filter(PROPAGATE, order="Star", anchors="Exact")
+    assert warned()
+    assert not warned(), "they hold no longer"
+    ms.apply_filter(PROPAGATE, order="Star", anchors="Exact")
+    ms.apply_filter(PROPAGATE, order="Star", anchors="Soft")
+    assert not warned()

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pymeshlab
-from documents import COLOR, EVALUATE, PROPAGATE, REMESH, ROOT, SPHERES, landmark_layers
+from documents import COLOR, EVALUATE, LOAD, PROPAGATE, REMESH, ROOT, SPHERES, landmark_layers
 from environment import PROJECT
 
 SAMPLE = PROJECT / "sample_projects/ventricle"
@@ -37,6 +37,18 @@ def test_the_start_has_surfaces_only():
         ms.apply_filter(name, **parameters)
     assert ms.mesh_number() == 15
     assert ms.apply_filter(EVALUATE)["valid"].tolist() == [1] * 5
+
+
+def test_its_anchors_are_tissue_that_propagation_finds_nearly_and_holds():
+    ms = opened(SAMPLE / "ventricle.mlp")
+    assert ms.apply_filter(LOAD, file_name=str(SAMPLE / "anchors"))["anchors"].tolist() == [4] * 5
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    found = ms.apply_filter(PROPAGATE, order="Cyclic time", anchors="Exact")
+    assert bytes(map(int, found["anchor_names"])).decode() == "apex\nfront\nleft\nright"
+    assert found["anchor_distance"].max() < 1e-9
+    assert found["anchor_distance_before"].reshape(5, 4)[1:].mean() < 6, "mm"
+    assert "warnings" not in found
 
 
 def test_the_end_has_maps_landmarks_and_colours():
