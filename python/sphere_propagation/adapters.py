@@ -253,6 +253,10 @@ def _meshio(thing: Any, name: str) -> Optional[Mesh]:
 def _attributes(thing: Any, name: str) -> Optional[Mesh]:
     """Of trimesh, open3d, nilearn, ShapeWorks and whatever else calls its parts so."""
     if hasattr(thing, "geometry") and hasattr(thing, "graph"):
+        places = list(getattr(thing.graph, "nodes_geometry", ()))
+        if len(places) == 1 and hasattr(thing, "to_mesh"):  # as files with one mesh are loaded
+            thing = thing.to_mesh()
+            return Mesh(_value(thing, "vertices"), _value(thing, "faces"))
         raise InputError(
             f"{name} is a scene of {len(thing.geometry)} meshes. One mesh of all, in place, is "
             "mesh = scene.to_mesh()"
@@ -311,28 +315,40 @@ def surfaces_in(things: Any) -> List[Tuple[Any, str]]:
 
 
 @contextmanager
-def volume_file(thing: Any) -> Iterator[Tuple[str, str]]:
-    """A file that holds the label volume, and what to call it where the filter names the file: the
-    file that was given, or one for the time being. Of a folder and of several files: the lines that
+def volume_file(thing: Any) -> Iterator[Tuple[str, Dict[str, str]]]:
+    """A file that holds the label volume: the file that was given, or one for the time being, with
+    what to call it where the filter names it. Of a folder and of several volumes: the lines that
     the filter takes."""
     from . import files  # which needs what is here
 
     if is_path(thing) and not Path(thing).is_dir():
-        yield str(thing), str(thing)
+        yield str(thing), {}
         return
     if is_path(thing) or (isinstance(thing, (list, tuple)) and thing and all(map(is_path, thing))):
         paths = files.input_files(*([thing] if is_path(thing) else thing))
         others = [path for path in paths if not files.is_label_volume(path)]
         if others:
             raise InputError(f"{others[0]} is no label volume.")
-        lines = files.volume_lines(paths, files.names_of(paths))
-        yield lines, lines
+        yield files.volume_lines(paths, files.names_of(paths)), {}
         return
-    volume = volume_of(thing)
+    several = isinstance(thing, list) and bool(thing) and all(map(is_label_volume, thing))
+    called: Dict[str, str] = {}
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{volume.name}.nii"
-        write_nifti(path, volume.labels, volume.affine)
-        yield str(path), volume.name
+        for i, member in enumerate(thing if several else [thing]):
+            if is_path(member):
+                if str(member) in called:
+                    files.names_of([Path(member)] * 2)  # says so
+                called[str(member)] = f"{files.stem_of(member)} {i}"
+                continue
+            volume = volume_of(member)
+            name = f"{volume.name} {i}" if several else volume.name
+            path = Path(folder) / f"{name}.nii"
+            write_nifti(path, volume.labels, volume.affine)
+            called[str(path)] = name
+        if several:
+            yield files.volume_lines([*map(Path, called)], [*called.values()]), called
+        else:
+            yield str(path), called
 
 
 def is_label_volume(thing: Any) -> bool:
@@ -367,8 +383,8 @@ def volume_of(thing: Any) -> Volume:
         )
     if isinstance(thing, (list, tuple)) and thing:
         raise InputError(
-            "One label volume is read at a time: surfaces = [surface for volume in volumes for "
-            "surface in sp.read_label_volume(volume).surfaces]"
+            "A list must hold label volumes, each a file, an image of nibabel or SimpleITK, or "
+            "(labels, affine); one array with its affine is the tuple (labels, affine)."
         )
     raise InputError(
         "A label volume must be a file, an image of nibabel or SimpleITK, or (labels, affine), not "

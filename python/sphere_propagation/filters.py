@@ -209,8 +209,7 @@ def read_label_volume(
 
     file: its path; or an image of nibabel, SimpleITK, ITK, ANTs, torchio or MONAI, or (labels,
     affine): an array (x, y, z) or (x, y, z, time) and the way (4, 4) from its indices to RAS in mm.
-    Or a folder of files or a list of paths, whose volumes are looked at together, as the phases of
-    one are.
+    Or a folder of files or a list of these, which are looked at together, as the phases of one are.
     labels: what is inside, 1 or "1"; several, as [1, 2] or "1,2", are united. Every phase must have
     each of them, or skip_incomplete_phases leaves it out.
     voxel_size: edge of the cubes that are worked on, mm; larger ones make fewer vertices; 0: the
@@ -259,11 +258,14 @@ def read_label_volume(
 
 
 def _import(meshes, file, **parameters) -> Figures:
-    with adapters.volume_file(file) as (path, name):
+    with adapters.volume_file(file) as (path, called):
         try:
             return layers.apply(meshes, IMPORT, file_name=path, **parameters)
         except FilterError as error:
-            raise FilterError(IMPORT, str(error).replace(path, name)) from error.__cause__
+            text = str(error)
+            for written, name in called.items():
+                text = text.replace(written, name)
+            raise FilterError(IMPORT, text) from error.__cause__
 
 
 def parameterise_root(

@@ -265,6 +265,17 @@ def test_where_half_are_mirrored_and_the_root_does_not_tell_nothing_is_reflected
     assert named(figures) == [("sidesDiffer", "")]
 
 
+@pytest.mark.parametrize("mirrors", [False, True])
+def test_beside_mirrored_layers_those_are_named_of_which_nobody_can_tell(mirrors):
+    symmetric = egg(14, 20, radii=(40, 30, 22))
+    for odd in ([2], []):
+        shapes = [mirrored(*lopsided(t)) if t in odd else lopsided(t) for t in range(4)]
+        figures = project([*shapes, symmetric]).apply_filter(PROPAGATE, mirror_layers=mirrors)
+        remarks = json.loads(bytes(map(int, figures.get("warnings", b"[]"))).decode())
+        named = [r["text"] for r in remarks if r["message"] == "sidesNotKnown"]
+        assert ['of "shape 4" nobody can tell' in text for text in named] == [True] * len(odd)
+
+
 def test_a_refused_run_mirrors_nothing():
     ms = project([lopsided(0), mirrored(*lopsided(1)), lopsided(2)])
     with refused(ms, "area restoration must lie between 0 and 1"):

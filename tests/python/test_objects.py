@@ -169,7 +169,10 @@ REFUSED = {
     "points": (lambda: pyvista.PolyData(np.eye(3)), "3 points and no faces"),
     "meshio's points": (lambda: meshio.Mesh(np.eye(3), [("vertex", [[0]])]), "no faces"),
     "trimesh's points": (lambda: trimesh.PointCloud(np.eye(3)), "vertices and no faces"),
-    "a scene": (lambda: trimesh.Scene(trimesh.creation.box()), r"mesh = (scene\.to_mesh\(\))"),
+    "a scene": (
+        lambda: trimesh.Scene([trimesh.creation.box()] * 2),
+        r"mesh = (scene\.to_mesh\(\))",
+    ),
     "a reader": (vtk.vtkSTLReader, "vtkSTLReader, which makes a mesh"),
     "an image": (
         lambda: nibabel.Nifti1Image(np.zeros((2, 2, 2), "u1"), np.eye(4)),
@@ -390,7 +393,8 @@ REFUSED_VOLUMES = {
     "two axes": (lambda: (A[0], M), r"of shape \(3, 3\)"),
     "text": (lambda: (A.astype(str), M), "must be numbers"),
     "a header": (lambda: (A, {"space": "LPS"}), "give the file itself"),
-    "two volumes": (lambda: [(A, M), (A, M)], "One label volume is read at a time"),
+    "a list of two parts": (lambda: [A, M], r"is the tuple \(labels, affine\)"),
+    "a volume and a mesh": (lambda: [(A, M), "a.ply"], "A list must hold label volumes"),
     "vtk's image": (lambda: pyvista.ImageData(dimensions=(3, 3, 3)), "RAS or LPS"),
     "channels": (
         lambda: of_library("torchio", numpy=lambda: np.stack([A, A]), affine=M),
@@ -406,6 +410,31 @@ def test_label_volumes_that_could_be_meant_otherwise(what):
     make, words = REFUSED_VOLUMES[what]
     with pytest.raises(sp.InputError, match=words):
         sp.read_label_volume(make())
+
+
+def test_volumes_in_a_list_are_read_together(labels, affine, tmp_path):
+    image = nibabel.Nifti1Image(labels, affine)
+    nibabel.save(nibabel.Nifti1Image(labels, affine), tmp_path / "late.nii")
+    read = sp.read_label_volume([(labels, affine), image, tmp_path / "late.nii"]).surfaces
+    assert [surface.name for surface in read] == [
+        f"{n} label 1" for n in ("volume 0", "volume 1", "late 2")
+    ]
+    (alone,) = sp.read_label_volume((labels, affine)).surfaces
+    for surface in read:
+        assert np.allclose(surface.vertices, alone.vertices, atol=1e-4)
+    with pytest.raises(sp.FilterError, match='^"volume 1": No voxel has'):
+        sp.read_label_volume([image, (0 * labels, affine)])
+    with pytest.raises(sp.FileError, match="have the same name"):
+        sp.read_label_volume([image, *[tmp_path / "late.nii"] * 2])
+
+
+def test_a_scene_of_one_mesh_is_that_mesh(body):
+    scene = trimesh.Scene()
+    turned = trimesh.transformations.rotation_matrix(1, [1, 2, 3])
+    scene.add_geometry(trimesh.Trimesh(*body, process=False), transform=turned)
+    surface = as_surface(scene)
+    assert np.allclose(surface.vertices, body[0] @ turned[:3, :3].T)
+    assert np.array_equal(surface.faces, body[1])
 
 
 def test_a_series_is_of_files():
