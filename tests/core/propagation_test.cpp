@@ -303,6 +303,17 @@ TEST(Propagation, KeepsTheDistancesThatTheResidualIsMadeOf) {
 TEST(Propagation, RefusesLayersInDifferentUnits) {
   const Phases sequence(3);
   const MappedSurface root = sequence.map(0);
+  std::vector<ClosedSurface> larger;  // than the root, which is the odd one
+  for (size_t i = 0; i < 3; ++i)
+    larger.emplace_back(sequence.surfaces[i].vertices() * (i > 0 ? 1000 : 1),
+                        sequence.surfaces[i].faces(), "phase " + std::to_string(i));
+  try {
+    propagate(larger, root, timeOrder(3, 0));
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"phase 0\" is "), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("smaller"), std::string::npos) << error.what();
+  }
   for (double scale : {0.001, 1000.0, 1e-30, 1e30}) {
     std::vector<ClosedSurface> surfaces;
     for (size_t i = 0; i < 3; ++i)

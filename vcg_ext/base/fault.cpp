@@ -106,8 +106,8 @@ constexpr std::array<Entry, faultCount> entries{
           "triangles of opposite orientation"),
     FAULT(NothingFixed, SURFACE "no vertex has a position on the sphere to begin with"),
     FAULT(DifferentUnits,
-          "{Noun} \"{name}\" is {value} times {detail} than {noun} \"{other}\", which its map "
-          "would come from"),
+          "{Noun} \"{name}\" is {value} times {detail} than {noun} \"{other}\", and one of the "
+          "two would get its map from the other"),
 
     FAULT(AnchorFileNotRead, NO_ANCHORS_FROM ": {detail}"),
     FAULT(AnchorFileUnknown, NO_ANCHORS_FROM ", as its ending tells no format that is known"),

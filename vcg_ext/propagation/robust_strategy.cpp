@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/robust_strategy.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/base/stopwatch.h"
 #include "vcg_ext/propagation/aligned/aligned_propagation.h"
 #include "vcg_ext/propagation/published/published_propagation.h"
@@ -15,15 +18,22 @@ namespace {
 /// Of the time, where no surface is lost.
 constexpr double followingShare = 0.95;
 
+/// Named is the one of the two that is of another size than most.
 void requireOneUnit(const Sequence& sequence, const PropagationTree& tree) {
+  std::vector<double> logs;
+  for (int i = 0; i < sequence.size(); ++i) logs.push_back(std::log(sequence[i].radius()));
+  const double usual = medianOf(logs);
   for (int i = 0; i < sequence.size(); ++i) {
     const int parent = tree.parent[static_cast<size_t>(i)];
     if (parent < 0) continue;
     const double ratio = sequence[i].radius() / sequence[parent].radius();
     if (ratio < maxRelativeSize && ratio > 1 / maxRelativeSize) continue;
-    throw ParameterError(Finding(Fault::DifferentUnits, sequence.name(i))
-                             .against(sequence.name(parent))
-                             .saying(ratio > 1 ? "larger" : "smaller")
+    const bool oddParent =
+        sequence.size() > 2 && std::fabs(logs[static_cast<size_t>(parent)] - usual) >
+                                   std::fabs(logs[static_cast<size_t>(i)] - usual);
+    throw ParameterError(Finding(Fault::DifferentUnits, sequence.name(oddParent ? parent : i))
+                             .against(sequence.name(oddParent ? i : parent))
+                             .saying((ratio > 1) != oddParent ? "larger" : "smaller")
                              .at(ratio > 1 ? ratio : 1 / ratio, 0, maxRelativeSize));
   }
 }
