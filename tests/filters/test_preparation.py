@@ -153,7 +153,7 @@ def test_parts_that_are_no_wall_are_not_to_be_joined():
     returned = ms.apply_filter(PREPARE, join_shells=True)
     text = " ".join(said(returned))
     assert returned["join_shells"] == 0 and returned["closed"] == 1
-    assert "It is not joined, since no rim of it looks the same way" in text
+    assert "It is not joined: it does not lie within that one, or no rim" in text
 
 
 def lid_of(mesh):
