@@ -17,9 +17,11 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/base/fingerprint.h"
 #include "vcg_ext/display/side_by_side.h"
+#include "vcg_ext/fitting/fit_calibration.h"
 #include "vcg_ext/fitting/fit_file.h"
 #include "vcg_ext/fitting/fitted_map.h"
 #include "vcg_ext/fitting/model_fit.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/model_file.h"
 #include "vcg_ext/model/shape_deviation.h"
 
@@ -40,16 +42,27 @@ Eigen::VectorXd byRow(const Eigen::MatrixXd& matrix) {
   return Eigen::Map<const Eigen::VectorXd>(turned.data(), turned.size());
 }
 
-/// Anchors that are named by the numbers of their landmarks.
-std::vector<FittingAnchor> anchorsOf(const std::string& file, Eigen::Index landmarks,
+std::string landmarkNamesOf(const ShapeModel& shapes) {
+  std::string names;
+  for (const auto& [name, landmark] : shapes.landmarkNames)
+    names.append(names.empty() ? "" : ", ").append(name);
+  return names.empty() ? "none" : names;
+}
+
+/// Anchors that are called by a name that the model knows, or by the numbers of their landmarks.
+std::vector<FittingAnchor> anchorsOf(const std::string& file, const ShapeModel& shapes,
                                      double deviation) {
+  const Eigen::Index landmarks = shapes.mean.rows();
   std::vector<FittingAnchor> anchors;
   for (const auto& [name, point] : readAnchors(file).anchors) {
     const bool isNumber = !name.empty() && name.size() < 10 &&
                           name.find_first_not_of("0123456789") == std::string::npos;
-    const long landmark = isNumber ? std::stol(name) : -1;
+    long landmark = isNumber ? std::stol(name) : -1;
+    const auto known = shapes.landmarkNames.find(name);
+    if (known != shapes.landmarkNames.end()) landmark = static_cast<long>(known->second);
     if (landmark < 0 || landmark >= landmarks)
-      throw host::Refusal(messages::anchorIsNoLandmark, name, file, landmarks - 1);
+      throw host::Refusal(messages::anchorIsNoLandmark, name, file, landmarks - 1,
+                          landmarkNamesOf(shapes));
     anchors.push_back({landmark, point, deviation});
   }
   return anchors;
@@ -104,7 +117,8 @@ class FitFilter : public host::Filter {
     if (!task.values.flag("local_deviation")) ofModel.localDeviation = 0;
     const FittingModel model(shapes, pool, ofModel);
     if (modesWanted > model.modeCount()) task.say(messages::fewerModes, model.modeCount());
-    if (model.localDeviation() > 0 && shapes.scores.rows() < minShapesToLearnFrom)
+    if (model.localDeviation() > 0 && shapes.noiseVariance == 0 &&
+        shapes.scores.rows() < minShapesToLearnFrom)
       task.say(messages::localDeviationAssumed, model.localDeviation());
 
     ModelFitParameters parameters;
@@ -112,12 +126,18 @@ class FitFilter : public host::Filter {
     parameters.scales =
         size == FitSizes::Similarity || (size == FitSizes::AsTheModel && isWithoutSize(shapes));
     if (anchorSd == 0) anchorSd = target.meanEdge();
-    if (!anchorName.empty())
-      parameters.anchors = anchorsOf(anchorName, model.mean().rows(), anchorSd);
+    if (!anchorName.empty()) parameters.anchors = anchorsOf(anchorName, shapes, anchorSd);
     if (pose == FitPose::Anchors && parameters.anchors.size() < minPoseAnchors)
       throw host::Refusal(messages::tooFewAnchors, parameters.anchors.size());
     if (pose == FitPose::Search && parameters.anchors.size() >= minPoseAnchors)
       task.say(messages::poseOfAnchors, parameters.anchors.size());
+
+    FitCalibrationParameters asked;
+    asked.model = ofModel;
+    asked.scales = parameters.scales;
+    asked.meanEdge = target.meanEdge();
+    if (parameters.scales) asked.meanEdge *= model.radius() / radiusOfSphere(target.area());
+    parameters.calibration = fitCalibration(shapes, pool, asked);
 
     const ModelFit fit = [&] {
       try {
@@ -130,7 +150,8 @@ class FitFilter : public host::Filter {
     tellOf(task, *layer, model, target, fit, deviation);
     addLayer(task, *layer, model, fit);
     host::Outputs outputs = outputsOf(model, fit, deviation, target);
-    setMap(task, *layer, model, fit, target, threads, outputs);
+    outputs["calibration"] = parameters.calibration;
+    setMap(task, *layer, model, fit, target, pool, outputs);
     if (!exportName.empty()) {  // last of what can fail
       exportFit(exportName, model, fit);
       task.log("written: " + exportName);
@@ -218,7 +239,7 @@ class FitFilter : public host::Filter {
 
   /// Where it can be had.
   static void setMap(host::Task& task, const host::Layer& layer, const FittingModel& model,
-                     const ModelFit& fit, const FittingTarget& target, int threads,
+                     const ModelFit& fit, const FittingTarget& target, ThreadPool& pool,
                      host::Outputs& outputs) {
     if (!target.closed() || !hasMap(model)) {
       task.say(target.closed() ? messages::noMapWithoutLids : messages::noMapOfOpenSurface,
@@ -228,7 +249,7 @@ class FitFilter : public host::Filter {
     try {
       const MeshSurface mesh = layer.surface();
       const PropagatedLayer mapped =
-          mapOfFit(model, fit, mesh.surface, threads, part(task.progress, 0.7, 0.95));
+          mapOfFit(model, fit, mesh.surface, pool, part(task.progress, 0.7, 0.95));
       Fingerprint print;  // all that one model is fitted to belongs together
       print.add(static_cast<int>(model.mean().rows()));
       print.add(model.mean().sum());

@@ -43,7 +43,7 @@ from .filters import (
 )
 from .fitting import Fit, fit
 from .model import ShapeModel
-from .model_files import read_model
+from .model_files import name_landmarks, read_model
 from .morphing import Morph, morph
 from .nifti import write_nifti
 from .phantom import Ventricle
@@ -81,6 +81,7 @@ __all__ = [
     "map_colors",
     "mesh_files",
     "morph",
+    "name_landmarks",
     "optimise_groupwise",
     "parameterise_root",
     "prepare",

@@ -188,6 +188,8 @@ def _fit(options, make_progress) -> int:
         modes=options.modes,
         local_deviation=not options.modes_only,
         label=options.label,
+        anchors=options.anchors,
+        anchor_sd=options.anchor_sd,
         unit=options.unit,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
@@ -543,10 +545,26 @@ def parser() -> argparse.ArgumentParser:
     )
     fit.add_argument(
         "--pose",
-        choices=["search", "as-it-lies"],
+        choices=["search", "as-it-lies", "anchors"],
         type=str.lower,
         default="search",
-        help="where the model is to begin: anywhere, or in its own frame (default: %(default)s)",
+        help="where the model is to begin: anywhere, in its own frame, or where three anchors or "
+        "more put it (default: %(default)s)",
+    )
+    fit.add_argument(
+        "--anchors",
+        metavar="PATH",
+        default="",
+        help="points whose landmarks are known, called by the landmark's number or by a name that "
+        "the model has: a file, or a folder of files that are called as the surfaces are",
+    )
+    fit.add_argument(
+        "--anchor-sd",
+        type=_number(float, 0),
+        default=0.0,
+        metavar="LENGTH",
+        help="how far an anchor may be off in each coordinate, as a standard deviation (default: "
+        "0, the mesh's mean edge length)",
     )
     fit.add_argument(
         "--alignment",

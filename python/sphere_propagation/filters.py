@@ -17,7 +17,7 @@ from typing import Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
-from . import adapters, layers, plugin
+from . import adapters, layers, model_files, plugin
 from .errors import FilterError, InputError
 from .model import ShapeModel
 from .parameters import (
@@ -614,6 +614,7 @@ def shape_model(
     area_weights: bool = False,
     specificity_samples: int = 1000,
     seed: int = 0,
+    landmark_names: Optional[Mapping[str, int]] = None,
 ) -> ShapeModel:
     """Mean, modes and scores of landmarks that correspond, and how good a model they make:
     `shape_model(*remesh(...)[:2])`.
@@ -629,10 +630,13 @@ def shape_model(
     .h5 and .json (statismo, scalismo), .particles (ShapeWorks), .ply, .csv (the scores).
     area_weights: whether landmarks weigh in the alignment as the area around them.
     specificity_samples, seed: of the random shapes that the specificity is measured with.
+    landmark_names: {name: landmark} of those that have one, so that anchors of these names are
+    fitted to the model (`fit`); in .npz files, too.
 
     Identical shapes make a model without modes.
     """
     surfaces = _landmark_meshes(points, faces, names, lid)
+    named = model_files.checked_names(landmark_names, len(surfaces[0].vertices))
     meshes = layers.mesh_set(surfaces)
     returned = layers.apply(
         meshes,
@@ -655,6 +659,9 @@ def shape_model(
     kept, count = returned["modes"], returned["landmarks"]
     left_out = returned["lid"] > 0
     number = np.cumsum(~left_out) - 1
+    named = {name: int(number[j]) for name, j in named.items() if not left_out[j]}
+    if named and Path(export_file).suffix.lower() == ".npz":
+        model_files.name_landmarks(export_file, named)
     return ShapeModel(
         np.reshape(returned["mean"], (count, 3)),
         np.reshape(returned["mode_vectors"], (kept, count, 3)),
@@ -675,6 +682,7 @@ def shape_model(
             )
         },
         left_out,
+        landmark_names=named,
     )
 
 

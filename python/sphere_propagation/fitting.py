@@ -17,7 +17,7 @@ from . import adapters, files, filters, layers
 from .errors import InputError
 from .files import write_ply
 from .model import ShapeModel
-from .model_files import beside, read_model
+from .model_files import beside, checked_names, name_arrays, read_model
 from .parameters import NAMED, path_of, whole_number
 from .results import ResultFolder
 from .sphere_map import SphereMap
@@ -27,10 +27,13 @@ from .units import DEFAULT_UNIT, unit_named
 FIT = "compute_shape_model_fit"
 POSES = NAMED["pose"]
 SIZES = ("As the model", "Rigid", "Similarity")
+# In a folder, the first that is there (vcg_ext/anchors/anchor_file.h).
+ANCHOR_FILES = ("_picked_points.pp", ".mrk.json", ".csv", ".fcsv", ".pp", ".json", ".tsv", ".txt")
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean")
 
 ModelLike = Union[ShapeModel, str, Path]
-Anchors = Mapping[int, Sequence[float]]  # landmark -> x, y, z
+# Landmark, by number or by a name that the model has -> x, y, z; or a file of such.
+Anchors = Union[Mapping[Union[int, str], Sequence[float]], str, Path]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +92,9 @@ def fit(
     model: a ShapeModel, or its file (.npz; .h5 and .json of statismo and scalismo). surface: one,
     as everywhere; or a label volume, as read_label_volume takes it, of one phase: then the surface
     of its `label` in mm, in RAS.
-    anchors: what is known of where landmarks lie, {landmark: (x, y, z)}; anchor_sd: how far off,
-    per coordinate, 0 for the surface's mean edge.
+    anchors: what is known of where landmarks lie, {landmark: (x, y, z)}, landmarks by number or by
+    a name that the model has (landmark_names); or a file of them (docs/anchors.md). anchor_sd: how
+    far off, per coordinate, 0 for the surface's mean edge.
     pose: "Search" from anywhere, "As it lies" in the model's frame, or by "Anchors", three or more.
     alignment: whether size is sought, as well: "Similarity", "Rigid", or "As the model", which was
     built with or without.
@@ -137,6 +141,7 @@ def _prepared(model: ModelLike) -> Iterator[_Prepared]:
             scores=np.ascontiguousarray(shapes.scores, float),
             faces=np.ascontiguousarray(shapes.faces, np.int32),
             noise_variance=np.float64(shapes.noise_variance),
+            **name_arrays(checked_names(shapes.landmark_names, len(shapes.mean))),
         )
         yield _Prepared(shapes, Path(folder), file)
 
@@ -161,7 +166,7 @@ def _fit(prepared: _Prepared, given: Surface, *, anchors=None, **parameters) -> 
         meshes,
         FIT,
         model_file=str(prepared.file),
-        anchor_file=_anchor_file(prepared.folder, anchors, len(shapes.mean)),
+        anchor_file=_anchor_file(prepared.folder, anchors, shapes),
         **parameters,
     )
     fitted = meshes.mesh(meshes.mesh_number() - 1)
@@ -190,12 +195,21 @@ def _fit(prepared: _Prepared, given: Surface, *, anchors=None, **parameters) -> 
 
 
 def fit_files(
-    model, surfaces, folder, say: Callable[[str], None], *, label=1, unit=None, **choices
+    model,
+    surfaces,
+    folder,
+    say: Callable[[str], None],
+    *,
+    label=1,
+    anchors="",
+    unit=None,
+    **choices,
 ) -> List[str]:
     """fit() for files, or folders of them, meshes and label volumes, each phase of these:
-    NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. unit: of lengths
-    (default: what landmarks.npz beside the model says, else mm). choices: of the filter; words may
-    have hyphens. Returns what lies in the folder."""
+    NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. anchors: a file of them,
+    or a folder with files that are called as the surfaces are. unit: of lengths (default: what
+    landmarks.npz beside the model says, else mm). choices: of the filter; words may have hyphens.
+    Returns what lies in the folder."""
     unit = unit_named(unit or beside(Path(model))[1] or DEFAULT_UNIT)
     for key in ("pose", "alignment"):
         words = (
@@ -211,7 +225,8 @@ def fit_files(
         modes = range(len(prepared.shapes.modes))
         rows = [["surface", *names, "map", "unit", *(f"score_{m + 1}" for m in modes)]]
         for surface in found:
-            rows.append(_fit_file(prepared, surface, results, say, names, unit, choices))
+            its = {**choices, "anchors": _anchors_of(anchors, surface.name)}
+            rows.append(_fit_file(prepared, surface, results, say, names, unit, its))
     results.write("fits.csv", lambda path: _write_table(path, rows))
     return [
         "fits.csv: a row for each surface: distance, deviation, scores",
@@ -265,6 +280,17 @@ def _fit_file(
     ]
 
 
+def _anchors_of(given, name: str) -> Optional[Path]:
+    """The file of this surface; none where the folder has none."""
+    if not given:
+        return None
+    given = path_of(given)
+    if not given.is_dir():
+        return given
+    files_of_it = (given / f"{name}{ending}" for ending in ANCHOR_FILES)
+    return next((file for file in files_of_it if file.is_file()), None)
+
+
 def _surfaces_of(paths: Sequence[Path], label) -> Iterator[Surface]:
     """Those in the files, one after the other, by names that differ."""
     for path, name in zip(paths, files.names_of(paths)):
@@ -285,17 +311,28 @@ def _write_table(path: Path, rows: List[List[str]]) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def _anchor_file(folder: Path, anchors: Optional[Anchors], count: int) -> str:
+def _anchor_file(folder: Path, anchors: Optional[Anchors], shapes: ShapeModel) -> str:
     """As a table of the filter's; empty where there are none."""
     if not anchors:
         return ""
+    if adapters.is_path(anchors):
+        return str(path_of(anchors))
+    count = len(shapes.mean)
     if not isinstance(anchors, Mapping):
         raise InputError(
             f"anchors must be a dictionary, {{landmark: (x, y, z)}}, not {type(anchors).__name__}."
         )
     rows = ["name,x,y,z"]
     for landmark, point in anchors.items():
-        number = whole_number("The landmark of an anchor", landmark)
+        if isinstance(landmark, str) and landmark not in shapes.landmark_names:
+            known = ", ".join(shapes.landmark_names) or "none"
+            raise InputError(
+                f"The model has no landmark called {landmark!r}; names that it has: {known}."
+            )
+        number = whole_number(
+            "The landmark of an anchor",
+            shapes.landmark_names[landmark] if isinstance(landmark, str) else landmark,
+        )
         if not 0 <= number < count:
             raise InputError(
                 f"There is no landmark {number}: the model's are numbered from 0 to {count - 1}."

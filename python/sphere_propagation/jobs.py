@@ -461,6 +461,7 @@ def _build_model(
                 lid=result.lid,
                 alignment=choices.alignment,
                 export_file=str(path),
+                landmark_names=_named(result.anchors),
                 **more,
             )
         )
@@ -487,6 +488,13 @@ def _build_model(
     results.write(f"{name}/{EXPLORER}", explorer.save)
     steps.done(f"{name}: shape model: {report.model_summary(model)}")
     return model, explorer
+
+
+def _named(anchors: Optional[filters.AnchorFit]) -> Dict[str, int]:
+    """The landmarks that anchors became, where anchor_snap was asked for."""
+    if anchors is None or anchors.landmarks is None:
+        return {}
+    return {name: int(landmark) for name, landmark in zip(anchors.names, anchors.landmarks)}
 
 
 def _beside_particles(path: Path) -> List[Path]:

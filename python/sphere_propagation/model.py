@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Dict, List, Optional
+from dataclasses import dataclass, field
+from typing import Dict, List, Mapping, Optional
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class ShapeModel:
     they lie on lids; landmark j of the model is the j-th False one.
     noise_variance: per coordinate, of what the modes leave out, as models of statismo have it; 0
     where that is not known.
+    landmark_names: number of the model's landmark by name, of those that have one, as anchors.
     """
 
     mean: np.ndarray
@@ -41,6 +42,7 @@ class ShapeModel:
     figures: Dict[str, np.ndarray]
     lid: Optional[np.ndarray] = None
     noise_variance: float = 0.0
+    landmark_names: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def compactness(self) -> np.ndarray:

@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
 from . import statismo
-from .errors import FileError
+from .errors import FileError, InputError
 from .model import ShapeModel
-from .parameters import path_of
+from .parameters import path_of, whole_number
 
+NAMES = ("anchor_names", "anchor_landmarks")  # arrays of texts, and of numbers
 NEEDED = ("mean", "modes", "eigenvalues", "scores", "faces")
 
 
@@ -70,7 +71,54 @@ def read_model(path) -> ShapeModel:
         {"compactness": compactness, "variance_share": compactness / (total or 1.0)},
         found.get("lid"),
         float(found["noise_variance"]) if "noise_variance" in found else 0.0,
+        _names_in(path, found),
     )
+
+
+def name_landmarks(path, names: Mapping[str, int]) -> None:
+    """Writes names of landmarks into a model's .npz file, {name: number}, so that anchors of these
+    names are fitted to it; what it had before is replaced. With `anchor_snap` the numbers are in
+    `correspond(...).anchors.landmarks`."""
+    path = path_of(path)
+    count = len(read_model(path).mean)
+    if statismo.is_statismo(path):
+        raise FileError(f"{path}: names of landmarks are kept in .npz files alone.")
+    checked = checked_names(names, count)
+    arrays = {key: values for key, values in _arrays(path).items() if key not in NAMES}
+    np.savez(path, **arrays, **name_arrays(checked))
+
+
+def checked_names(names: Optional[Mapping[str, int]], count: int) -> Dict[str, int]:
+    if names is None:
+        return {}
+    if not isinstance(names, Mapping):
+        raise InputError(
+            f"Names of landmarks must be a dictionary, name -> number, not {type(names).__name__}."
+        )
+    found = {}
+    for name, number in names.items():
+        number = whole_number(f"The landmark called {name}", number)
+        if not isinstance(name, str) or not name or not 0 <= number < count:
+            raise InputError(
+                f"{name!r} cannot be the name of landmark {number}: names are texts, and the "
+                f"landmarks are numbered from 0 to {count - 1}."
+            )
+        found[name] = number
+    return found
+
+
+def name_arrays(names: Mapping[str, int]) -> Dict[str, np.ndarray]:
+    """As a model's file has them; none where there are no names."""
+    if not names:
+        return {}
+    return dict(zip(NAMES, (np.array(list(names)), np.array(list(names.values()), np.int32))))
+
+
+def _names_in(path: Path, found: Mapping[str, np.ndarray]) -> Dict[str, int]:
+    names, numbers = (np.ravel(found.get(key, ())) for key in NAMES)
+    if len(names) != len(numbers) or any(not 0 <= n < len(found["mean"]) for n in numbers):
+        raise FileError(f"{path} is no shape model: its {' and '.join(NAMES)} do not fit together.")
+    return {str(name): int(number) for name, number in zip(names, numbers)}
 
 
 def beside(path: Path) -> Tuple[List[str], Optional[str]]:

@@ -15,6 +15,7 @@
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shapes.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/fitting/fit_calibration.h"
 #include "vcg_ext/fitting/fitted_map.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -301,7 +302,7 @@ TEST_F(ModelFitting, GivesTheSurfaceAMap) {
   const ModelFit found = fit(other.mesh, searching());
   const ClosedSurface surface(other.mesh.vertices, other.mesh.faces, "egg");
   ASSERT_TRUE(hasMap(model_));
-  const PropagatedLayer mapped = mapOfFit(model_, found, surface, 1);
+  const PropagatedLayer mapped = mapOfFit(model_, found, surface, pool_);
   EXPECT_TRUE(certify(mapped.map().faces(), mapped.map().positions()).valid());
   const Remeshed own = remesh(mapped.map(), icosphere(frequency).vertices);
   EXPECT_LT(meanError(own.landmarks, other.landmarks), 0.3);
@@ -310,7 +311,80 @@ TEST_F(ModelFitting, GivesTheSurfaceAMap) {
   part.faces = part.faces.topRows(part.faces.rows() - 4).eval();
   const FittingModel withoutLid(part, pool_);
   EXPECT_FALSE(hasMap(withoutLid));
-  EXPECT_THROW(mapOfFit(withoutLid, found, surface, 1), ParameterError);
+  EXPECT_THROW(mapOfFit(withoutLid, found, surface, pool_), ParameterError);
+}
+
+// A closed mesh that is no icosphere has a map of its own, the same for all that it is fitted to.
+TEST_F(ModelFitting, GivesMapsFromAnyClosedModel) {
+  ShapeModel other = shapes_;
+  // The same surface, one edge turned.
+  const int a = other.faces(0, 0), b = other.faces(0, 1), c = other.faces(0, 2);
+  for (Eigen::Index f = 1; f < other.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (other.faces(f, k) == b && other.faces(f, (k + 1) % 3) == a) {
+        const int d = other.faces(f, (k + 2) % 3);
+        other.faces.row(0) << a, d, c;
+        other.faces.row(f) << d, b, c;
+        f = other.faces.rows();
+        break;
+      }
+  const FittingModel model(other, pool_);
+  ASSERT_FALSE(icosphereFrequency(model.mean().rows(), model.faces()));
+  ASSERT_TRUE(hasMap(model));
+  std::vector<Points> own;
+  for (const Egg& one : {egg({0.8, -1.1, 0.5}), egg({-0.3, 0.4, 1})}) {
+    const ModelFit found = fitModel(model, target(one.mesh), pool_);
+    EXPECT_LT(meanError(found.landmarks, one.landmarks), 0.3);
+    const ClosedSurface surface(one.mesh.vertices, one.mesh.faces, "egg");
+    const PropagatedLayer mapped = mapOfFit(model, found, surface, pool_);
+    EXPECT_TRUE(certify(mapped.map().faces(), mapped.map().positions()).valid());
+    own.push_back(remesh(mapped.map(), icosphere(frequency).vertices).landmarks);
+  }
+  // Landmarks that correspond move as the bodies do from one to the other.
+  const Points there = body(icosphere(frequency).vertices, {0.8, -1.1, 0.5}),
+               here = body(icosphere(frequency).vertices, {-0.3, 0.4, 1});
+  EXPECT_LT(meanError(own[1], own[0]), 1.3 * meanError(here, there));
+}
+
+// As if it had been built from the others.
+TEST_F(ModelFitting, LeavesAShapeOutOfAModel) {
+  std::vector<Points> others;
+  for (Eigen::Index k = 0; k < 12; ++k)
+    if (k != 4) others.push_back(shapes_.shape(Eigen::VectorXd(shapes_.scores.row(k).transpose())));
+  const ShapeModel built = buildShapeModel(trainingSet(others, shapes_.faces)),
+                   left = modelWithout(shapes_, 4);
+  EXPECT_LT((built.mean - left.mean).norm(), 1e-9);
+  const Eigen::Index count = std::min(built.eigenvalues.size(), left.eigenvalues.size());
+  EXPECT_LT((built.eigenvalues.head(count) - left.eigenvalues.head(count)).norm(),
+            1e-9 * built.eigenvalues[0]);
+  EXPECT_LT((built.modes * built.eigenvalues.asDiagonal() * built.modes.transpose() -
+             left.modes * left.eigenvalues.asDiagonal() * left.modes.transpose())
+                .norm(),
+            1e-9 * built.eigenvalues.norm());
+}
+
+// Intervals hold what they promise for shapes that were left out, whatever the unit and the number
+// of threads; too few shapes tell nothing.
+TEST_F(ModelFitting, IsCalibratedByShapesThatAreLeftOut) {
+  const double factor = fitCalibration(shapes_, pool_);
+  EXPECT_GE(factor, 0.5);
+  EXPECT_LE(factor, 4);
+  ThreadPool one(1);
+  EXPECT_EQ(fitCalibration(shapes_, one), factor);
+  ShapeModel metres = shapes_;
+  metres.mean /= 1000;
+  metres.scores /= 1000;
+  metres.eigenvalues /= 1e6;
+  EXPECT_NEAR(fitCalibration(metres, pool_), factor, 0.02 * factor);
+  EXPECT_EQ(fitCalibration(eggModel(4), pool_), 1);
+
+  ModelFitParameters calibrated;
+  calibrated.calibration = 2;
+  const Egg other = egg({0.8, -1.1, 0.5});
+  const ModelFit narrow = fit(other.mesh), wide = fit(other.mesh, calibrated);
+  EXPECT_TRUE(wide.landmarks == narrow.landmarks);
+  EXPECT_NEAR(wide.covariance[7].norm(), 4 * narrow.covariance[7].norm(), 1e-9);
+  EXPECT_NEAR(wide.scoreDeviations[0], 2 * narrow.scoreDeviations[0], 1e-9);
 }
 
 TEST_F(ModelFitting, RefusesWhatCannotBe) {

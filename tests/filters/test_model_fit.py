@@ -42,6 +42,7 @@ MAP = {
     "repaired_faces",
 }
 RETURNED = MAP | {
+    "calibration",
     "scores",
     "score_sd",
     "pose",

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """The page to explore a shape model: what it says, and in headless Chromium what it shows."""
 
+import html
 import shutil
 import subprocess
 
@@ -8,6 +9,7 @@ import browser
 import numpy as np
 import pytest
 import sphere_propagation as sp
+from PIL import Image
 from sphere_propagation import command, explorer
 
 needs_browser = pytest.mark.skipif(browser.program() is None, reason="Chromium is not installed")
@@ -229,6 +231,35 @@ def test_jupyter_shows_it_inline():
     made = sp.explore(made_model())
     inline = made._repr_html_()
     assert inline.startswith("<iframe srcdoc=") and inline.count('"') == 6
+
+
+@needs_browser
+@pytest.mark.parametrize("sandbox", ["", 'sandbox="allow-scripts"'])
+def test_what_jupyter_shows_is_drawn(tmp_path, sandbox):
+    """As notebooks place it, in their own page or in a frame that may run scripts and no more. The
+    frame's insides are read from a picture: no other origin can look into a sandbox."""
+    page = tmp_path / "notebook.html"
+    inline = sp.explore(made_model(162))._repr_html_()
+    frame = (
+        f'<iframe {sandbox} style="width: 1200px; height: 700px" srcdoc="{html.escape(inline)}">'
+    )
+    page.write_text(f"<!doctype html><title>notebook</title>{frame if sandbox else inline}")
+    window = browser.Browser(tmp_path / "profile")
+    try:
+        window.open(page)
+        for _ in range(50):
+            window.drawn()
+            window.picture(tmp_path / "page.png")
+            with Image.open(tmp_path / "page.png") as picture:
+                pixels = np.asarray(picture.convert("RGB")).astype(int)
+            middle = pixels[150:500, 350:800]
+            if len(np.unique(middle.reshape(-1, 3), axis=0)) > 50:
+                break
+        assert len(np.unique(middle.reshape(-1, 3), axis=0)) > 50  # a shaded surface
+        assert window.complaints == []
+        assert [url for url in window.requests if url.startswith("http")] == []
+    finally:
+        window.close()
 
 
 def test_the_report_holds_it_folded(chromium, tmp_path):

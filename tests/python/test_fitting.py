@@ -61,6 +61,60 @@ def test_anchors_are_kept(cycle, model):
     assert np.linalg.norm((fit.points - truth)[list(anchors)], axis=1).max() < 0.5
 
 
+def test_anchors_are_called_by_names_that_the_model_has(
+    cycle, model, tmp_path, monkeypatch, capsys
+):
+    """In the model and in its file; numbers go on working beside names."""
+    monkeypatch.chdir(tmp_path)
+    truth, names = cycle.landmarks[2], {"apex": 150, "basis ä": 0, "side": 70}
+    others = [i for i in range(len(cycle.landmarks)) if i != 2]
+    named = sp.shape_model(
+        cycle.landmarks[others],
+        cycle.landmark_faces,
+        alignment="None",
+        export_file="model.npz",
+        landmark_names=names,
+    )
+    assert named.landmark_names == names == sp.read_model("model.npz").landmark_names
+    places = {name: truth[j] for name, j in names.items()}
+    right = sp.fit(
+        model,
+        cycle.surfaces[2],
+        anchors={j: truth[j] for j in names.values()},
+        anchor_sd=0.05,
+        pose="Anchors",
+    )
+    for given in (named, "model.npz"):
+        fit = sp.fit(given, cycle.surfaces[2], anchors=places, anchor_sd=0.05, pose="Anchors")
+        assert np.allclose(fit.points, right.points, atol=1e-6)
+    mixed = {"apex": truth[150], 0: truth[0], "side": truth[70]}
+    fit = sp.fit(named, cycle.surfaces[2], anchors=mixed, anchor_sd=0.05, pose="Anchors")
+    assert np.allclose(fit.points, right.points, atol=1e-6)
+    # A file of anchors, by name; and a folder of them, on the command line.
+    (tmp_path / "points").mkdir()
+    rows = [f"{name};{x:.17g};{y:.17g};{z:.17g}" for name, (x, y, z) in places.items()]
+    (tmp_path / "points" / "p.csv").write_text("\n".join(["name;x;y;z", *rows]) + "\n")
+    fit = sp.fit(named, cycle.surfaces[2], anchors="points/p.csv", anchor_sd=0.05, pose="Anchors")
+    assert np.allclose(fit.points, right.points, atol=1e-6)
+    sp.write_ply("p.ply", cycle.surfaces[2].vertices, cycle.surfaces[2].faces)
+    words = ["fit", "model.npz", "p.ply", "--pose", "anchors", "--anchors", "points"]
+    assert command.main([*words, "--anchor-sd", "0.05"]) == 0
+    with np.load("fit/p_fit.npz") as file:
+        assert np.allclose(file["landmarks"], right.points, atol=0.1)  # a file of floats
+    # Others are named.
+    with pytest.raises(sp.InputError, match="no landmark called 'tip'; .*apex"):
+        sp.fit(named, cycle.surfaces[2], anchors={"tip": (0, 0, 0)})
+    (tmp_path / "points" / "p.csv").write_text("tip;0;0;0\n")
+    with pytest.raises(sp.FilterError, match="apex, basis ä, side"):
+        sp.fit(named, cycle.surfaces[2], anchors="points/p.csv")
+    # A table of the user's own for a model that is there.
+    sp.name_landmarks("model.npz", {"tip": 3})
+    assert sp.read_model("model.npz").landmark_names == {"tip": 3}
+    for wrong in ({"x": 162}, {"": 3}, {"x": 1.5}, [3]):
+        with pytest.raises(sp.InputError):
+            sp.name_landmarks("model.npz", wrong)
+
+
 @pytest.mark.parametrize(
     "anchors, words",
     [

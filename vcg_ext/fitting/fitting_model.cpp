@@ -45,6 +45,7 @@ std::optional<double> learntLocalDeviation(const ShapeModel& model, Eigen::Index
 }
 
 double assumedLocalDeviation(const ShapeModel& model) {
+  if (model.noiseVariance > 0) return std::sqrt(model.noiseVariance);
   constexpr double missing = 0.05;
   return std::sqrt(missing * model.eigenvalues.sum() / static_cast<double>(model.mean.size()));
 }

@@ -33,7 +33,8 @@ constexpr Eigen::Index minShapesToLearnFrom = 3;
 std::optional<double> learntLocalDeviation(const ShapeModel& model, Eigen::Index modes,
                                            ThreadPool& pool);
 
-/// What is taken where nothing can be learnt: as if 5 % of the variance were missing.
+/// What is taken where nothing can be learnt: the model's noise, and where that is not known as if
+/// 5 % of the variance were missing.
 double assumedLocalDeviation(const ShapeModel& model);
 
 /// Whether size was taken out of the training shapes (Alignment::Similarity): then the fit of each

@@ -68,9 +68,10 @@ class Fitting {
         target_(target),
         parameters_(parameters),
         modelEdge_(facesAtEdge(model.faces())),
-        leastNoise_(leastNoise * target.meanEdge()),
+        leastNoise_(leastNoise *
+                    (parameters.meanEdge > 0 ? parameters.meanEdge : target.meanEdge())),
         temper_(static_cast<double>(model.mean().rows() + FittingTarget::sampleCount) /
-                independentPatches) {}
+                parameters.thinning / independentPatches) {}
 
   /// Gauss-Newton with the first `columns` columns of the model.
   struct Solved {
@@ -189,8 +190,9 @@ class Fitting {
   Observations observe(const Points& y, ThreadPool& pool) const {
     const Points normals = vertexNormals(y, model_.faces());
     const SurfaceLocator moved(y, model_.faces());
-    const auto landmarks = static_cast<int>(y.rows()),
-               samples = static_cast<int>(target_.samples().rows());
+    const int every = parameters_.thinning;
+    const auto landmarks = (static_cast<int>(y.rows()) + every - 1) / every,
+               samples = (static_cast<int>(target_.samples().rows()) + every - 1) / every;
     std::vector<SurfacePoint> feet(static_cast<size_t>(landmarks)),
         places(static_cast<size_t>(samples));
     constexpr int chunk = 128;
@@ -199,18 +201,21 @@ class Fitting {
         for (int i = part * chunk; i < std::min(count, (part + 1) * chunk); ++i) f(i);
       });
     };
-    inChunks(landmarks, [&](int j) {
-      feet[static_cast<size_t>(j)] =
+    inChunks(landmarks, [&](int i) {
+      const int j = i * every;
+      feet[static_cast<size_t>(i)] =
           target_.closest(y.row(j).transpose(), normals.row(j).transpose());
     });
     inChunks(samples, [&](int i) {
+      const int at = i * every;
       places[static_cast<size_t>(i)] =
-          moved.closest(target_.samples().row(i).transpose(),
-                        target_.sampleNormals().row(i).transpose(), FittingTarget::agreement);
+          moved.closest(target_.samples().row(at).transpose(),
+                        target_.sampleNormals().row(at).transpose(), FittingTarget::agreement);
     });
     Observations seen;
-    for (int j = 0; j < landmarks; ++j) {
-      const SurfacePoint& foot = feet[static_cast<size_t>(j)];
+    for (int i = 0; i < landmarks; ++i) {
+      const SurfacePoint& foot = feet[static_cast<size_t>(i)];
+      const int j = i * every;
       if (foot.face < 0)
         ++seen.unseen;
       else
@@ -229,7 +234,7 @@ class Fitting {
       for (int k = 0; k < 3; ++k) n += place.weights[k] * normals.row(corner(k)).transpose();
       if (!(n.norm() > 0)) continue;
       seen.add(n.normalized(), place.interpolate(model_.faces(), y),
-               target_.samples().row(i).transpose(),
+               target_.samples().row(i * every).transpose(),
                {{corner(0), corner(1), corner(2)}, place.weights});
       seen.distance += place.distance;
       ++near;
@@ -272,6 +277,9 @@ State at(const RigidMotion& pose, double scale = 1) {
 
 void requireValid(const FittingModel& model, const ModelFitParameters& parameters) {
   requireRange("number of iterations", parameters.iterations, Range::between(1, 1000));
+  requireRange("thinning", parameters.thinning, Range::atLeast(1));
+  requireRange("calibration", parameters.calibration, Range::above(0));
+  requireRange("mean edge", parameters.meanEdge, Range::atLeast(0));
   for (const FittingAnchor& anchor : parameters.anchors) {
     requireRange("landmark of an anchor", static_cast<double>(anchor.landmark),
                  Range::between(0, static_cast<double>(model.mean().rows() - 1)));
@@ -381,16 +389,22 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
   fit.local = state.c.tail(state.c.size() - modes);
   fit.noise = solved.noise;
   fit.surfaceDistance = solved.seen.distance;
-  fit.unseen = static_cast<double>(solved.seen.unseen) / static_cast<double>(model.mean().rows());
-  fit.unexplained = static_cast<double>(solved.seen.unexplained) /
+  fit.unseen = parameters.thinning * static_cast<double>(solved.seen.unseen) /
+               static_cast<double>(model.mean().rows());
+  fit.unexplained = parameters.thinning * static_cast<double>(solved.seen.unexplained) /
                     static_cast<double>(std::max<Eigen::Index>(1, target.samples().rows()));
   const Eigen::MatrixXd covariance =
+      parameters.calibration * parameters.calibration *
       Eigen::LLT<Eigen::MatrixXd>(solved.information)
           .solve(Eigen::MatrixXd::Identity(solved.information.rows(), solved.information.cols()));
   fit.scoreDeviations =
       covariance.diagonal().segment(posesOfFreedom, modes).cwiseMax(0.0).cwiseSqrt();
   fit.covariance.reserve(static_cast<size_t>(model.mean().rows()));
   for (Eigen::Index j = 0; j < model.mean().rows(); ++j) {
+    if (j % parameters.thinning != 0) {
+      fit.covariance.emplace_back(Eigen::Matrix3d::Zero());
+      continue;
+    }
     const Rows d = fitting.derivative(j, fit.landmarks.row(j).transpose(), state);
     const Eigen::Matrix3d block = d * covariance * d.transpose();
     fit.covariance.emplace_back((block + block.transpose()) / 2);  // symmetric bit for bit

@@ -48,6 +48,12 @@ struct ModelFitParameters {
   bool scales = false;  ///< whether s is sought; else 1
   std::vector<FittingAnchor> anchors = {};
   int iterations = 12;  ///< at most, 1 to 1000
+  /// What standard deviations are multiplied by: fit_calibration.h.
+  double calibration = 1;
+  /// Only every so many-th landmark and sample is observed, and only these landmarks get a
+  /// covariance; those of the others are 0.
+  int thinning = 1;
+  double meanEdge = 0;  ///< of which the noise is 5 % at least; 0: that of the target
 };
 
 struct ModelFit {

@@ -43,7 +43,8 @@ class ArchiveReader {
 
   struct Array {
     std::vector<Eigen::Index> shape;
-    std::vector<double> values;  // row by row
+    std::vector<double> values;      // row by row
+    std::vector<std::string> texts;  // in place of values, where it is an array of these
   };
 
   std::optional<Array> array(const std::string& name) const {
@@ -132,6 +133,10 @@ class ArchiveReader {
       count *= rows;
     }
     const std::string type = entry(header, "descr");
+    if (type.size() > 3 && type.compare(0, 3, "'<U") == 0) {
+      array.texts = textsOf(data, std::strtoull(type.c_str() + 3, nullptr, 10), count);
+      return array;
+    }
     array.values.reserve(count);
     const auto size = static_cast<size_t>(type.size() == 5 ? type[3] - '0' : 0);
     const char kind = type.size() == 5 ? type[2] : ' ';
@@ -144,6 +149,35 @@ class ArchiveReader {
     for (size_t i = 0; i < count; ++i)
       array.values.push_back(valueOf(number(data, i * size, size), kind, size));
     return array;
+  }
+
+  /// UTF-32, so many letters each, zeros behind the last; as UTF-8.
+  std::vector<std::string> textsOf(std::string_view data, std::uint64_t letters,
+                                   std::uint64_t count) const {
+    if (letters > 0 && count > data.size() / 4 / letters) fail("it is damaged, or cut short");
+    std::vector<std::string> texts;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      std::string text;
+      for (std::uint64_t k = 0; k < letters; ++k) {
+        const std::uint64_t code = number(data, 4 * (i * letters + k), 4);
+        if (code == 0) break;
+        addUtf8(text, code);
+      }
+      texts.push_back(std::move(text));
+    }
+    return texts;
+  }
+
+  static void addUtf8(std::string& text, std::uint64_t code) {
+    const auto put = [&text](std::uint64_t byte) { text += static_cast<char>(byte); };
+    if (code < 0x80) {
+      put(code);
+      return;
+    }
+    const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+    constexpr std::uint64_t first[]{0, 0xC0, 0xE0, 0xF0};
+    put(first[more] | (code >> (6 * more)));
+    for (int k = more - 1; k >= 0; --k) put(0x80 | ((code >> (6 * k)) & 0x3F));
   }
 
   static double valueOf(std::uint64_t bits, char kind, size_t size) {
@@ -166,6 +200,24 @@ class ArchiveReader {
   std::string file_, bytes_;
   std::map<std::string, std::string_view> members_;
 };
+
+void readNotes(const ArchiveReader& archive, ShapeModel& model) {
+  if (const auto noise = archive.array("noise_variance")) {
+    if (noise->values.size() != 1 || !(noise->values[0] >= 0) || std::isinf(noise->values[0]))
+      archive.fail("its noise variance is no number from 0");
+    model.noiseVariance = noise->values[0];
+  }
+  const auto names = archive.array("anchor_names"), landmarks = archive.array("anchor_landmarks");
+  if (!names && !landmarks) return;
+  if (!names || !landmarks || names->texts.size() != landmarks->values.size())
+    archive.fail("its anchor_names are not as many texts as its anchor_landmarks are numbers");
+  for (size_t i = 0; i < names->texts.size(); ++i) {
+    const double landmark = landmarks->values[i];
+    if (!(landmark >= 0 && landmark < static_cast<double>(model.mean.rows())))
+      archive.fail("an anchor names a landmark that is not there");
+    model.landmarkNames[names->texts[i]] = static_cast<Eigen::Index>(landmark);
+  }
+}
 
 }  // namespace
 
@@ -214,6 +266,7 @@ ShapeModel readModel(const std::string& file) {
   }
   for (Eigen::Index k = 0; k < model.scores.rows(); ++k)
     model.names.push_back("shape " + std::to_string(k));
+  readNotes(archive, model);
   if (lid)
     for (const double mark : lid->values) model.leftOut.push_back(mark != 0);
   return model;

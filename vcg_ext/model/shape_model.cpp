@@ -46,7 +46,9 @@ ShapeModel ShapeModel::truncated(Eigen::Index count) const {
           scores.leftCols(kept),
           totalVariance,
           names,
-          leftOut};
+          leftOut,
+          noiseVariance,
+          landmarkNames};
 }
 
 ShapeModel buildShapeModel(const TrainingSet& set, double epsilon, Eigen::Index modes,

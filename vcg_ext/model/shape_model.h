@@ -6,6 +6,7 @@
 /// parameterisation for the construction of a statistical shape model of the left ventricle.
 
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct ShapeModel {
   double totalVariance = 0;  ///< sum of all eigenvalues, also of modes that are left out
   std::vector<std::string> names;  ///< of the #K shapes
   std::vector<char> leftOut;       ///< see TrainingSet: the landmarks that the model leaves out
+  /// Variance per coordinate of what the modes leave out, where that is known; else 0.
+  double noiseVariance = 0;
+  /// Landmarks that have a name, as the users' own anchors.
+  std::map<std::string, Eigen::Index> landmarkNames = {};
 
   Eigen::Index modeCount() const { return eigenvalues.size(); }
 

@@ -139,9 +139,16 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
                       const PropagationTree& tree, const PropagationParameters& parameters,
                       const Progress& progress) {
   requireValid(parameters);
+  ThreadPool pool(parameters.threads);
+  return propagate(sequence, root, tree, pool, parameters, progress);
+}
+
+Propagation propagate(const Sequence& sequence, const MappedSurface& root,
+                      const PropagationTree& tree, ThreadPool& pool,
+                      const PropagationParameters& parameters, const Progress& progress) {
+  requireValid(parameters);
   requireFit(sequence, root, tree, parameters.closing);
   const bool restores = parameters.areaRestoration > 0;
-  ThreadPool pool(parameters.threads);
   const std::vector<SurfaceSize> sizes = findSurfaceSizes(sequence, tree);
   const AnchorPlaces places = placesOf(parameters.anchors, sequence, tree.root());
   std::vector<double> deviations;

@@ -68,4 +68,9 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
                       const PropagationTree& tree, const PropagationParameters& parameters = {},
                       const Progress& progress = {});
 
+/// The same by the threads of this pool; parameters.threads is not looked at.
+Propagation propagate(const Sequence& sequence, const MappedSurface& root,
+                      const PropagationTree& tree, ThreadPool& pool,
+                      const PropagationParameters& parameters = {}, const Progress& progress = {});
+
 }  // namespace sphere_propagation
