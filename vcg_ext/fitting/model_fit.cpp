@@ -22,6 +22,7 @@ namespace {
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int firstIterations = 2, startIterations = 6, mostStarts = 16;
+constexpr int allTurns = 60, mostStartsOfParts = 12;
 constexpr int posesOfFreedom = 7;          // rotation, translation, scale
 constexpr double leastNoise = 0.05;        // of the surface's mean edge
 constexpr double hard = 3;                 // a residual of so many sigma weighs a quarter
@@ -355,21 +356,19 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
             }
           });
     };
-    std::vector<State> states;
+    std::vector<State> states, more;
+    const size_t sure = target.closed() ? mostStarts / 2 : mostStartsOfParts;
     for (const StartPose& one :
-         startPoses(model, target, target.closed() ? mostStarts / 2 : mostStarts, pool))
-      states.push_back(at(one.motion));
-    if (target.closed()) {
-      std::vector<State> turned;
-      for (const RigidMotion& motion : turnsAboutCentre(model, target))
-        turned.push_back(at(motion));
-      std::vector<std::optional<Fitting::Solved>> begun = from(turned, firstIterations);
-      std::stable_sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) {
-        return a && (!b || a->energy < b->energy);
-      });
-      for (int i = 0; i < mostStarts / 2; ++i)
-        if (begun[static_cast<size_t>(i)]) states.push_back(begun[static_cast<size_t>(i)]->state);
-    }
+         startPoses(model, target, target.closed() ? mostStarts / 2 : allTurns, pool))
+      (states.size() < sure ? states : more).push_back(at(one.motion));
+    if (target.closed())
+      for (const RigidMotion& motion : turnsAboutCentre(model, target)) more.push_back(at(motion));
+    std::vector<std::optional<Fitting::Solved>> begun = from(more, firstIterations);
+    std::stable_sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) {
+      return a && (!b || a->energy < b->energy);
+    });
+    for (size_t i = 0; i < begun.size() && i < mostStarts / 2; ++i)
+      if (begun[i]) states.push_back(begun[i]->state);
     fit.starts = static_cast<int>(states.size());
     report(progress, 0.3);
     const std::vector<std::optional<Fitting::Solved>> tried = from(states, startIterations);

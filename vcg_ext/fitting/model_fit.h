@@ -16,10 +16,10 @@
 /// and landmark j has the covariance J_j C J_j^T: wide along the surface, and where nothing was
 /// seen.
 ///
-/// The pose: trimmed fits of the mean, point to plane, from 60 rotations, and of a whole surface
-/// the same rotations with the modes for two steps; the best of them are continued with the modes,
-/// and the one of the largest posterior goes on; of some that are about as likely, as where a shape
-/// looks like itself from two sides, the least turned.
+/// The pose: trimmed fits of the mean, point to plane, from 60 rotations, and with the modes for
+/// two steps the same rotations of a whole surface, or where those fits of a part ended; the best
+/// of both are continued with the modes, and the one of the largest posterior goes on; of some that
+/// are about as likely, as where a shape looks like itself from two sides, the least turned.
 
 #include <optional>
 #include <vector>
