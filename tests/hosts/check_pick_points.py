@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Anchors by clicks: where Pick Points of MeshLab 2020.09 takes points, and that "Load anchors"
-reads what it saves (docs/anchors.md)."""
+reads what it saves (docs/anchors.md). Not a part of scripts/test, since real clicks have to wait
+for a window that says nothing: after `scripts/test hosts`, `scripts/run-pytest
+tests/hosts/check_pick_points.py` (needs xdotool)."""
 
 import os
 import shutil
@@ -10,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 import pymeshlab
-import pytest
 from conftest import SAMPLE
 from gui import GuiError, until
 
@@ -83,7 +84,6 @@ def picked(meshlab, folder, shift):
     return saved
 
 
-@pytest.mark.skipif(not shutil.which("xdotool"), reason="no xdotool")
 def test_points_are_taken_on_layers_in_the_worlds_frame_alone(meshlab, tmp_path):
     for number, (shift, there) in enumerate((((0, 0, 0), True), ((4, 3, 6), False))):
         folder = tmp_path / str(number)
