@@ -301,6 +301,15 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: error: {message}\n{self.prog} --help lists what there is.\n")
 
+    def parse_args(self, args=None, namespace=None):
+        """Options that there are none of belong to the command in front of them, whose help they
+        are to be looked for in."""
+        found, others = self.parse_known_args(args, namespace)
+        if others:
+            of = _Parser(prog=f"{self.prog} {found.called}", add_help=False)
+            of.error(f"unrecognized arguments: {' '.join(others)}")
+        return found
+
 
 def parser() -> argparse.ArgumentParser:
     """What the command line takes."""
@@ -319,7 +328,7 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--version", action="version", version=f"sphere-propagation {version.version()}"
     )
-    actions = command.add_subparsers(metavar="COMMAND", required=True)
+    actions = command.add_subparsers(metavar="COMMAND", dest="called", required=True)
 
     run = actions.add_parser(
         "run",

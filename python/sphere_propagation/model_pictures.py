@@ -377,11 +377,13 @@ def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
         (highest, max(values[highest], others[highest]), 10),
         (lowest, min(values[lowest], others[lowest]), -19),
     ):
+        leftwards = 2 * phase > len(phases)  # so that it stays within the picture
         axis.annotate(
             f"{values[phase]:.4g} {unit}",
             (phases[phase], at),
             textcoords="offset points",
-            xytext=(8, above),
+            xytext=(-8 if leftwards else 8, above),
+            ha="right" if leftwards else "left",
             fontsize=11,
             color=INK,
         )

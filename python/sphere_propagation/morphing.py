@@ -84,6 +84,7 @@ class Morph:
                 append_images=frames[1:],
                 duration=max(20, round(1000 * seconds / len(frames))),  # ms
                 loop=0,
+                optimize=False,  # which would give each its own again
             )
         except OSError as error:
             raise FileError(f"{path} cannot be written: {error.strerror or error}.") from error
@@ -97,7 +98,7 @@ class Morph:
         low = np.min([points.min(0) for points in seen], axis=0)
         high = np.max([points.max(0) for points in seen], axis=0)
         center, scale = (low + high) / 2, size / (1.08 * (high - low)[:2].max())
-        images = []
+        images, palette = [], None
         for begin in range(0, len(seen), AT_ONCE):
             shown = range(begin, min(begin + AT_ONCE, len(seen)))
             scene = pictures.Scene(size * len(shown), size)
@@ -108,9 +109,11 @@ class Morph:
                 normals = pictures.soft_normals(surface.vertices, surface.faces)
                 colors = _colors(self.maps[i])
                 panel.surface(surface.vertices, surface.faces, colors, normals)
+            frames = [Image.fromarray(part).convert("RGB") for part in scene.parts(places)]
+            palette = palette or _palette_of(frames)
             images += [
-                Image.fromarray(part).quantize(128, dither=Image.Dither.NONE)
-                for part in scene.parts(places)
+                frame.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+                for frame in frames
             ]
         return images
 
@@ -192,9 +195,23 @@ def morph_files(surfaces, folder, say: Callable[[str], None], order: str, **choi
     return made
 
 
+def _palette_of(frames: list):
+    """The 256 colours of a GIF, for all of its frames, so that nothing flickers: colours are places
+    on the sphere, which all of them show."""
+    from PIL import Image
+
+    width, height = frames[0].size
+    together = Image.new("RGB", (width * len(frames), height))
+    for k, frame in enumerate(frames):
+        together.paste(frame, (width * k, 0))
+    return together.quantize(256)
+
+
 def _colors(sphere: SphereMap) -> np.ndarray:
     return place_colors(*sphere_coordinates(sphere.positions))
 
 
 def _file_name(name: str) -> str:
-    return "".join(c if c.isalnum() or c in " ._-%" else "_" for c in name).replace(" ", "_")
+    return "".join(
+        c if c.isalnum() or c in " ._-" else "_" for c in name.replace(" %", "")
+    ).replace(" ", "_")

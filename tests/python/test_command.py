@@ -350,6 +350,16 @@ def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
     assert said.splitlines()[1:] == ["sphere-propagation run --help lists what there is."]
 
 
+def test_an_option_that_there_is_not_is_looked_for_in_its_command(capsys):
+    with pytest.raises(SystemExit) as end:
+        run("run", "x", "-o", "y", "--ordr", "cyclic")
+    assert end.value.code == 2
+    assert capsys.readouterr().err.splitlines() == [
+        "sphere-propagation run: error: unrecognized arguments: --ordr cyclic",
+        "sphere-propagation run --help lists what there is.",
+    ]
+
+
 @pytest.mark.parametrize(
     "option, words",
     [

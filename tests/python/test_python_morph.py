@@ -54,10 +54,10 @@ def test_the_command_leaves_shapes_and_a_gif(cycle, tmp_path, capsys):
     assert command.main([*words, "--steps", "2", "--connectivity", "union"]) == 0
     found = sorted(path.name for path in (tmp_path / "out").glob("*.ply"))
     assert found == [
-        "000_A_to_B_0_%.ply",
-        "001_A_to_B_33.33_%.ply",
-        "002_A_to_B_66.67_%.ply",
-        "003_A_to_B_100_%.ply",
+        "000_A_to_B_0.ply",
+        "001_A_to_B_33.33.ply",
+        "002_A_to_B_66.67.ply",
+        "003_A_to_B_100.ply",
     ]
     assert (tmp_path / "out/morph.gif").exists() == (not pictures.what_is_missing())
     assert "4 shapes" in capsys.readouterr().out
