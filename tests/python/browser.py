@@ -23,7 +23,7 @@ def program():
 class Browser:
     """One window. What goes wrong in its pages is in `complaints`, what they load in `requests`."""
 
-    def __init__(self, profile, width=1280, height=768, timeout=60):
+    def __init__(self, profile, width=1280, height=768, timeout=300):
         self.complaints, self.requests, self.timeout = [], [], timeout
         (low_in, self._to), (self._from, low_out) = os.pipe(), os.pipe()
         # Above 3 and 4, so that neither is lost when these are set.
