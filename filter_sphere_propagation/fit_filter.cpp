@@ -190,7 +190,8 @@ class FitFilter : public host::Filter {
       task.sayOf(layer, messages::surfaceUnexplained, 100 * fit.unexplained);
     else if (fit.surfaceDistance > far)
       task.sayOf(layer, messages::fitIsFarOff, fit.surfaceDistance);
-    constexpr double otherUnit = 1.8;  // as for layers among others (surface_sizes.h)
+    constexpr double otherUnit =
+        1.8;  // about what names a layer beside another (surface_sizes.cpp)
     if (fit.scale > otherUnit)
       task.sayOf(layer, messages::fitOfOtherSize, fit.scale, "larger");
     else if (fit.scale < 1 / otherUnit)

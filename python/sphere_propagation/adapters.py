@@ -72,7 +72,7 @@ def mesh_of(thing: Any, name: str) -> Mesh:
         found = adapt(thing, name)
         if found is not None:
             return found
-    if any(adapt(thing) is not None for adapt in (_simpleitk, _itk, _ants, _with_affine)):
+    if any(adapt(thing) is not None for adapt in _OF_IMAGES):
         _refuse_image(name, thing)
     if isinstance(thing, np.ndarray):
         raise InputError(
@@ -365,7 +365,7 @@ def is_label_volume(thing: Any) -> bool:
 def volume_of(thing: Any) -> Volume:
     """The label volume that an object of another library is. Raises InputError for everything
     else."""
-    for adapt in (_labels_and_affine, _simpleitk, _itk, _ants, _with_affine):
+    for adapt in (_labels_and_affine, *_OF_IMAGES):
         found = adapt(thing)
         if found is not None:
             return _checked(found)
@@ -496,6 +496,10 @@ def _with_affine(thing: Any) -> Optional[Volume]:
             affine = TO_RAS @ affine
     file = thing.get_filename() if hasattr(thing, "get_filename") else None
     return Volume(labels, affine, _stem(file) if file else "volume")
+
+
+# What adapts an image of another library to a label volume; None where it is no such image.
+_OF_IMAGES = (_simpleitk, _itk, _ants, _with_affine)
 
 
 def _stem(file: Any) -> str:

@@ -14,23 +14,12 @@
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/morphing/sphere_overlay.h"
-#include "vcg_ext/sphere/sphere_walk.h"
+#include "vcg_ext/remeshing/remeshing.h"
 
 namespace sphere_propagation {
 namespace {
 
 constexpr double nothing = 1e-3;  // of what the smaller neighbour encloses
-
-/// The points of a surface at places of the sphere.
-Points pointsAt(const MappedSurface& surface, const Points& places) {
-  SphereWalk walk(surface);
-  Points points(places.rows(), 3);
-  for (Eigen::Index j = 0; j < places.rows(); ++j)
-    points.row(j) = walk.locate(places.row(j).transpose())
-                        .interpolate(surface.faces(), surface.surface().vertices())
-                        .transpose();
-  return points;
-}
 
 void requireAffordable(const MorphParameters& parameters, long vertices, size_t pairs) {
   const long all = vertices * (parameters.steps + 1L) * static_cast<long>(pairs);
@@ -73,8 +62,9 @@ Morph makeMorph(const std::vector<MappedSurface>& surfaces, const MorphParameter
     requireAffordable(parameters, 10 * f * f + 2, static_cast<size_t>(pairs));
     const Icosphere sphere = icosphere(parameters.frequency);
     common.emplace(ClosedSurface(sphere.vertices, sphere.faces, "icosphere"), sphere.vertices);
-    landmarks = pool.makeEach(
-        count, [&](int i) { return pointsAt(surfaces[static_cast<size_t>(i)], sphere.vertices); });
+    landmarks = pool.makeEach(count, [&](int i) {
+      return remesh(surfaces[static_cast<size_t>(i)], sphere.vertices).landmarks;
+    });
   }
 
   std::vector<double> volumes;
@@ -104,7 +94,7 @@ Morph makeMorph(const std::vector<MappedSurface>& surfaces, const MorphParameter
         else if (i == to)
           ofThis[i] = overlay->second.vertices();
         else if (parameters.path == MorphPath::ShapeModel)
-          ofThis[i] = pointsAt(surfaces[i], overlay->first.positions());
+          ofThis[i] = remesh(surfaces[i], overlay->first.positions()).landmarks;
       base.emplace(overlay->first);
     }
     const std::vector<Points>& points = isUnion ? ofThis : landmarks;

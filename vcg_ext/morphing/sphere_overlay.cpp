@@ -143,18 +143,9 @@ class Arrangement {
   int vertexOf(int m, int v) const { return m == 0 ? v : map(0).vertexCount() + v; }
 
   void locateVertices(int m) {
-    const ClosedSurface& surface = map(m).surface();
-    std::vector<int>& under = under_[static_cast<size_t>(m)];
-    under.assign(static_cast<size_t>(surface.vertexCount()), -1);
-    for (int v = 0; v < surface.vertexCount(); ++v) {
-      int start = v > 0 ? under[static_cast<size_t>(v - 1)] : 0;
-      for (const int neighbour : surface.ring(v))
-        if (neighbour < v) {
-          start = under[static_cast<size_t>(neighbour)];
-          break;
-        }
-      under[static_cast<size_t>(v)] = faceUnder(map(1 - m), map(m).position(v), start);
-    }
+    under_[static_cast<size_t>(m)] = facesUnder(map(m), [&](const Vector3& position, int start) {
+      return faceUnder(map(1 - m), position, start);
+    });
   }
 
   std::vector<int> wayOf(int m, int h) const {

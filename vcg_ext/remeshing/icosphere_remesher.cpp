@@ -7,26 +7,6 @@
 #include "vcg_ext/sphere/sphere_walk.h"
 
 namespace sphere_propagation {
-namespace {
-
-/// For each vertex of the surface the face of the icosphere under its position on the sphere.
-std::vector<int> icosphereFaces(const MappedSurface& mapped, const MappedSurface& sphere) {
-  const ClosedSurface& surface = mapped.surface();
-  std::vector<int> under(static_cast<size_t>(surface.vertexCount()), -1);
-  for (int v = 0; v < surface.vertexCount(); ++v) {
-    int start = v > 0 ? under[static_cast<size_t>(v - 1)] : 0;
-    for (const int neighbour : surface.ring(v))
-      if (neighbour < v) {
-        start = under[static_cast<size_t>(neighbour)];
-        break;
-      }
-    under[static_cast<size_t>(v)] = walkOverSphere(sphere, mapped.position(v), start);
-  }
-  return under;
-}
-
-}  // namespace
-
 IcosphereRemesher::IcosphereRemesher(int frequency)
     : sphere_(icosphere(frequency)),
       connected_(ClosedSurface(sphere_.vertices, sphere_.faces, "icosphere"), sphere_.vertices),
@@ -46,7 +26,9 @@ SurfaceDistance IcosphereRemesher::distance(const Remeshed& remeshed,
   DistanceHints hints;
   hints.landmarksOnSurface = true;
   hints.landmarkFaces = order_;
-  hints.nearVertex = icosphereFaces(mapped, connected_);
+  hints.nearVertex = facesUnder(mapped, [&](const Vector3& position, int start) {
+    return walkOverSphere(connected_, position, start);
+  });
 
   // The surface's faces in the order of the icosphere's faces under their first corners: a counting
   // sort.

@@ -59,4 +59,20 @@ SurfacePoint SphereWalk::locate(const Vector3& direction) {
   return found;
 }
 
+std::vector<int> facesUnder(const MappedSurface& map,
+                            const std::function<int(const Vector3&, int)>& walk) {
+  const ClosedSurface& surface = map.surface();
+  std::vector<int> under(static_cast<size_t>(surface.vertexCount()), -1);
+  for (int v = 0; v < surface.vertexCount(); ++v) {
+    int start = v > 0 ? under[static_cast<size_t>(v - 1)] : 0;
+    for (const int neighbour : surface.ring(v))
+      if (neighbour < v) {
+        start = under[static_cast<size_t>(neighbour)];
+        break;
+      }
+    under[static_cast<size_t>(v)] = walk(map.position(v), start);
+  }
+  return under;
+}
+
 }  // namespace sphere_propagation

@@ -2,7 +2,9 @@
 #pragma once
 /// Point location on the sphere for directions that come in a row, each near the one before.
 
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "vcg_ext/mesh/closed_surface.h"
 #include "vcg_ext/sphere/mapped_surface.h"
@@ -34,5 +36,10 @@ class SphereWalk {
 /// rounding decides, one beside it; after 16 + 4 sqrt(#F) faces wherever it is then. direction: a
 /// unit vector; start: the face that the walk begins in.
 int walkOverSphere(const MappedSurface& surface, const Vector3& direction, int start);
+
+/// For each vertex of a map the face of another map under its position, as walk(position, start)
+/// finds it. start: the face that was found for a neighbour, or for the vertex before.
+std::vector<int> facesUnder(const MappedSurface& map,
+                            const std::function<int(const Vector3&, int)>& walk);
 
 }  // namespace sphere_propagation
