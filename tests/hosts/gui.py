@@ -400,16 +400,31 @@ class MeshLab:
                 return
             if dialog["class"] == "SaveMaskExporterDialog":
                 self.click("OK", window=dialog["text"])
+                answer = {}
             elif "Project" in dialog["text"]:
                 self.ask("set", **{"class": "QCheckBox", "text": "Save All Files", "value": True})
-                self.ask("choose file", file=str(path))
+                answer = {"file": str(path)}
             else:
-                self.ask("choose file", file=str(path.parent / f"layer {new}.ply"))
+                answer = {"file": str(path.parent / f"layer {new}.ply")}
                 new += 1
             until(
-                lambda shown=dialog: self._dialog() != shown,
+                lambda shown=dialog, answer=answer: self._answered(shown, answer),
                 f"the dialog {dialog['text']} to close",
             )
+
+    def _answered(self, shown, answer):
+        """Whether a dialog has gone. Says the answer again while it stands there, since a file
+        dialog takes none before it has read its folder."""
+        if self.message():
+            raise GuiError(f"{shown['text']}: {self.message()}")
+        if self._dialog() != shown:
+            return True
+        if answer:
+            try:
+                self.ask("choose file", title=shown["text"], **answer)
+            except GuiError:  # it has gone since, or MeshLab has
+                self._check_alive()
+        return False
 
     def _dialog(self):
         """The file dialog or save mask dialog that is open."""

@@ -257,13 +257,16 @@ QJsonObject answer(const QJsonObject& command) {
   if (what == "choose file") {
     for (QWidget* widget : QApplication::topLevelWidgets())
       if (auto* dialog = qobject_cast<QFileDialog*>(widget);
-          dialog != nullptr && dialog->isVisible()) {
-        auto* edit = dialog->findChild<QLineEdit*>();
-        edit->setText(command["file"].toString());
-        QTimer::singleShot(0, dialog, [dialog] { QMetaObject::invokeMethod(dialog, "accept"); });
+          dialog != nullptr && dialog->isVisible() &&
+          (!command.contains("title") || dialog->windowTitle() == command["title"].toString())) {
+        // Both at once: what the dialog learns of its folder in between may fill in another name.
+        QTimer::singleShot(0, dialog, [dialog, file = command["file"].toString()] {
+          dialog->findChild<QLineEdit*>()->setText(file);
+          QMetaObject::invokeMethod(dialog, "accept");
+        });
         return {};
       }
-    return {{"error", "no file dialog is open"}};
+    return {{"error", "no file dialog of that title is open"}};
   }
   if (what == "click cell")
     return clickCell(command["text"].toString()) ? QJsonObject{}
