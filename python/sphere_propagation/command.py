@@ -216,6 +216,22 @@ def _morph(options, make_progress) -> int:
     return 0
 
 
+def _cohort(options, make_progress) -> int:
+    from .cohort import cohort  # for this command alone
+
+    return cohort.run(
+        Path(options.input),
+        Path(options.output),
+        options.level,
+        config=options.config,
+        labels=options.participant_label,
+        cores=options.cores,
+        profile=options.profile,
+        dry=options.dry_run,
+        say=lambda text: print(text, flush=True),
+    )
+
+
 def _info(options, make_progress) -> int:
     extras = {
         name: "installed"
@@ -661,6 +677,8 @@ def parser() -> argparse.ArgumentParser:
     )
     morph.set_defaults(action=_morph)
 
+    _add_cohort(actions)
+
     info = actions.add_parser(
         "info",
         help="versions, the plugin's path, the filters",
@@ -669,6 +687,61 @@ def parser() -> argparse.ArgumentParser:
     )
     info.set_defaults(action=_info)
     return command
+
+
+def _add_cohort(actions) -> None:
+    cohort = actions.add_parser(
+        "cohort",
+        help="a folder of subjects to one model, on this machine or on a cluster, by Snakemake",
+        description="Takes many subjects, of one or more phases each, through the whole job, in "
+        "chunks that an engine runs on this machine or on a cluster. What is done stays done: the "
+        "same command goes on where it ended, and does again what has changed.",
+        **_examples(
+            ("sphere-propagation cohort hearts/ out/ group --cores 4", "on this machine"),
+            ("sphere-propagation cohort hearts/ out/ group --profile slurm", "on a cluster"),
+            ("sphere-propagation cohort hearts/ out/ group --dry-run", "what would run, its cost"),
+        ),
+    )
+    cohort.add_argument(
+        "input",
+        metavar="INPUT",
+        help="a BIDS-like tree (sub-*), a folder per subject, one folder of files, one per "
+        "subject, or a table (.csv, .tsv) with the columns subject, file and, where there are "
+        "several, phase",
+    )
+    cohort.add_argument("output", metavar="OUTPUT", help="the study's folder")
+    cohort.add_argument(
+        "level",
+        choices=("participant", "group"),
+        help="participant: up to the landmarks of each subject; group: their models, too",
+    )
+    cohort.add_argument(
+        "--config",
+        metavar="FILE",
+        help="the study (.toml): labels, order, frequency and so on (docs/cohorts.md)",
+    )
+    cohort.add_argument(
+        "--participant-label",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="these subjects only, with or without sub-",
+    )
+    cohort.add_argument(
+        "--cores",
+        type=_number(int, 1),
+        metavar="N",
+        help="how many jobs run at once (default: 1; of a profile: what it says)",
+    )
+    cohort.add_argument(
+        "--profile",
+        metavar="NAME",
+        help="slurm, or a profile of Snakemake's: its name or its folder",
+    )
+    cohort.add_argument(
+        "--dry-run", action="store_true", help="say what would run and what it would cost"
+    )
+    cohort.set_defaults(action=_cohort)
 
 
 def _examples(*lines: Tuple[str, str]) -> Dict[str, Any]:

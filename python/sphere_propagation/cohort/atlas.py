@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Step `atlas`: one frame of each of up to 200 subjects, mapped along a similarity tree, together
+if asked for, and their shape model, which is fitted to everybody's frame."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Sequence
+
+import numpy as np
+
+from .. import attention, filters
+from ..correspondence import correspond
+from ..errors import FilterError
+from ..fitting import ANCHOR_FILES
+from ..model import ShapeModel
+from ..sphere_map import SphereMap
+from ..surface import Surface
+from . import frames, store
+from .importing import words_of
+from .plan import PLAN
+from .worker import Failed, reason
+
+ATLAS = Path("atlas.npz")
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """model: of the frames' landmarks, without modes where there is one frame; root: the frame
+    whose map was handed on; faces: of the landmarks; anchors: the root's file of them, as text
+    and ending."""
+
+    model: ShapeModel
+    root: Surface
+    root_map: SphereMap
+    faces: np.ndarray
+
+    @property
+    def reference(self) -> np.ndarray:
+        """What every shape is laid on, (landmarks, 3)."""
+        return self.model.mean
+
+
+def run() -> int:
+    """Writes atlas.npz and atlas.json; returns how many frames there are."""
+    plan = store.read_json(PLAN / "atlas.json")
+    parameters = plan["parameters"]
+    left_out: Dict[str, str] = {}
+    found: List[Surface] = []
+    anchors: Dict[str, str] = {}
+    for chunk in sorted({chunk for _, chunk in plan["subjects"]}):
+        records = frames.import_records(chunk)
+        with np.load(frames.SURFACES / f"{chunk}.npz") as archive:
+            for name in [name for name, its in plan["subjects"] if its == chunk]:
+                record = frames.record_of(records, name)
+                if record is None or record["failed"]:
+                    why = record["failed"]["reason"] if record else "It was not imported."
+                    left_out[name] = why
+                    continue
+                try:
+                    found.append(_frame(archive, record, parameters["root_phase"]))
+                except Failed as error:
+                    left_out[name] = str(error)
+                    continue
+                if record["anchors"]:
+                    anchors[name] = record["anchors"]["file"]
+    if not found:
+        reasons = "".join(f"\n  {name}: {why}" for name, why in list(left_out.items())[:10])
+        raise Failed(f"No subject can be in the atlas.{reasons}")
+    with attention.collected() as said:
+        made = _made(found, parameters, left_out, anchors)
+    _write(made, found, plan, left_out, said)
+    return len(found)
+
+
+def _frame(archive, record: Mapping[str, Any], root_phase) -> Surface:
+    phases = record["phases"]
+    if root_phase == "largest":
+        phase = int(np.argmax(record["volume"]))
+    elif root_phase < phases:
+        phase = root_phase
+    else:
+        raise Failed(f"root_phase is {root_phase}, and it has the phases 0 to {phases - 1}.")
+    surface = frames.read_frame(archive, record, phase)
+    return Surface(surface.vertices, surface.faces, record["subject"])
+
+
+def _made(
+    found: List[Surface],
+    parameters: Mapping[str, Any],
+    left_out: Dict[str, str],
+    anchors: Mapping[str, str],
+) -> Atlas:
+    """Leaves out, and takes from `found`, what the filters say no to by name."""
+    while True:
+        try:
+            return _of(found, parameters, anchors)
+        except FilterError as error:
+            named = next((one for one in found if f'"{one.name}"' in str(error)), None)
+            if named is None or len(found) == 1:
+                raise
+            left_out[named.name] = reason(error)
+            found.remove(named)
+
+
+def _of(
+    surfaces: Sequence[Surface], parameters: Mapping[str, Any], anchors: Mapping[str, str]
+) -> Atlas:
+    frequency = parameters["frequency"]
+    if len(surfaces) == 1:
+        root = surfaces[0]
+        root_map = filters.parameterise_root(
+            root, initial_map=parameters["initial_map"], area_weight=parameters["area_weight"]
+        )
+        made = filters.remesh([root], [root_map], frequency=frequency)
+        model = ShapeModel(
+            made.points[0],
+            np.zeros((0, made.points.shape[1], 3)),
+            np.zeros(0),
+            np.zeros((1, 0)),
+            np.asarray(made.faces, np.int32),
+            [root.name],
+            0.0,
+            {},
+        )
+        return Atlas(model, root, root_map, model.faces)
+    with anchor_folder(
+        {one.name: anchors[one.name] for one in surfaces if one.name in anchors}
+    ) as (folder):
+        result = correspond(
+            surfaces,
+            order="Similarity tree",
+            frequency=frequency,
+            initial_map=parameters["initial_map"],
+            area_weight=parameters["area_weight"],
+            groupwise=parameters["groupwise"],
+            anchors=folder,
+            anchor_sd=parameters["anchor_sd"],
+            exact=parameters["exact_anchors"],
+        )
+    alignment = parameters["alignment"]
+    model = filters.shape_model(
+        result.landmarks,
+        result.landmark_faces,
+        [surface.name for surface in surfaces],
+        alignment="Rigid" if alignment == "None" else alignment,
+        specificity_samples=1,
+    )
+    root = result.surfaces[result.root]
+    return Atlas(model, root, result.maps[result.root], np.asarray(model.faces, np.int32))
+
+
+@contextlib.contextmanager
+def anchor_folder(of: Mapping[str, str]):
+    """A folder where the files of anchors are called as the surfaces; None where there is none.
+    of: surface -> file."""
+    if not of:
+        yield None
+        return
+    base = Path(store.read_json(PLAN / "study.json")["input"])
+    with tempfile.TemporaryDirectory() as folder:
+        for name, file in of.items():
+            path = base / file
+            ending = next((one for one in ANCHOR_FILES if path.name.endswith(one)), path.suffix)
+            (Path(folder) / f"{name}{ending}").symlink_to(path.resolve())
+        yield folder
+
+
+def _write(
+    made: Atlas,
+    used: Sequence[Surface],
+    plan: Mapping[str, Any],
+    left_out: Mapping[str, str],
+    said,
+) -> None:
+    model = made.model
+    store.write_arrays(
+        ATLAS,
+        {
+            "mean": np.asarray(model.mean, float),
+            "modes": np.asarray(model.modes, float),
+            "eigenvalues": np.asarray(model.eigenvalues, float),
+            "scores": np.asarray(model.scores, float),
+            "faces": np.asarray(model.faces, np.int32),
+            "noise_variance": np.float64(model.noise_variance),
+            "root_vertices": made.root.vertices,
+            "root_faces": made.root.faces,
+            "root_map": made.root_map.positions,
+        },
+    )
+    chunks = sorted({chunk for _, chunk in plan["subjects"]})
+    inputs = [PLAN / "atlas.json", *(frames.SURFACES / f"{chunk}.json" for chunk in chunks)]
+    store.write_json(
+        ATLAS.with_suffix(".json"),
+        {
+            "step": "atlas",
+            "version": plan["version"],
+            "parameters": plan["parameters"],
+            "inputs": {path.as_posix(): store.digest(path) for path in inputs},
+            "root": made.root.name,
+            "subjects": [surface.name for surface in used],
+            "left_out": dict(left_out),
+            "warnings": words_of(said),
+        },
+    )
+
+
+def read() -> Atlas:
+    found = store.read_arrays(ATLAS)
+    said = store.read_json(ATLAS.with_suffix(".json"))
+    model = ShapeModel(
+        found["mean"],
+        found["modes"],
+        found["eigenvalues"],
+        found["scores"],
+        found["faces"],
+        said["subjects"],
+        float(found["eigenvalues"].sum()),
+        {},
+        None,
+        float(found["noise_variance"]),
+    )
+    root = Surface(found["root_vertices"], found["root_faces"], said["root"])
+    return Atlas(model, root, SphereMap(found["root_map"]), found["faces"])

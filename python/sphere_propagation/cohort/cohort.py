@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""What `sphere-propagation cohort` does: reads the study, plans, has the engine run, says what came
+out."""
+
+from __future__ import annotations
+
+import gzip
+from collections import Counter
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+
+from .. import files
+from ..errors import InputError
+from . import engine, plan, store, subjects
+from .landmarks import LANDMARKS
+from .steps import COSTS
+from .study import read_study
+
+# CPU seconds: measured on one core of a common server of 2024 (docs/cohorts.md), for surfaces of
+# 4,000 vertices; a study that has begun is reckoned by its own (costs/).
+PER_PHASE = {"import": 0.25, "landmarks": 0.2}
+PER_SUBJECT = {"import": 0.1, "landmarks": 1.2, "atlas": 1.0}
+PER_JOB = 2.5  # a Python that loads the package
+LISTED = 10  # subjects
+SAMPLED = 50  # files whose phases are counted
+
+
+def run(
+    where: Path,
+    output: Path,
+    level: str,
+    *,
+    config: Optional[Path] = None,
+    labels: Sequence[str] = (),
+    cores: Optional[int] = None,
+    profile: Optional[str] = None,
+    dry: bool = False,
+    say: Callable[[str], None] = print,
+) -> int:
+    """The command's exit code: 0 where every job is done, also where subjects failed."""
+    study, home = read_study(config)
+    engine.require(profile)
+    _require_folders(where, output)
+    base, found = subjects.find(where, study, home)
+    found = subjects.chosen(found, labels)
+    if dry:
+        with engine.shadow(output) as folder:
+            made = plan.write(folder, study, base, found, home)
+            _say_what_would_run(folder, output, level, base, found, made, say)
+        return 0
+    output.mkdir(parents=True, exist_ok=True)
+    with engine.lock(output):
+        made = plan.write(output, study, base, found, home)
+        say(
+            f"{_counted(len(found), 'subject')} in {_counted(len(made['chunks']), 'chunk')}, "
+            f"{len(store.read_json(output / plan.PLAN / 'atlas.json')['subjects'])} in the atlas"
+        )
+        engine.run(output, level, cores or (None if profile else 1), profile, say)
+        _say_what_came_out(output, level, list(made["chunks"]), say)
+    return 0
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def _require_folders(where: Path, output: Path) -> None:
+    for path in (output, *output.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"{path} is a file: the output is a folder. Choose another name.")
+    here, there = where.resolve(), output.resolve()
+    if here == there or there in here.parents:
+        raise InputError(f"The input {where} lies in the output {output}: choose another folder.")
+    ours = (output / plan.PLAN / "study.json").is_file()
+    if output.is_dir() and not ours and any(output.iterdir()):
+        others = [path.name for path in output.iterdir() if path.name not in (engine.LOCK,)]
+        if others and others != [plan.EXCLUDE]:
+            raise InputError(
+                f"{output} is not empty and no study's output ({sorted(others)[0]} lies in it): "
+                "choose a new folder."
+            )
+
+
+def _say_what_came_out(
+    output: Path, level: str, chunks: Sequence[str], say: Callable[[str], None]
+) -> None:
+    done, phases, failed = 0, 0, []
+    for chunk in chunks:
+        for record in store.read_json(output / LANDMARKS / f"{chunk}.json")["subjects"]:
+            if record["failed"]:
+                failed.append((record["subject"], record["failed"]))
+            else:
+                done, phases = done + 1, phases + record["phases"]
+    say(f"\n{_counted(done, 'subject')} done, {_counted(phases, 'surface')}; {len(failed)} failed")
+    for name, why in failed[:LISTED]:
+        say(f"  {name} ({why['step']}): {why['reason']}")
+    if len(failed) > LISTED:
+        say(f"  and {len(failed) - LISTED} more")
+    say(f"\nIn {output.resolve()}:")
+    say("  landmarks/*.npy, *.json: a chunk of subjects each, and what was measured of them")
+    if level == "group":
+        say("  subjects.csv: a row for each subject, with the reason where it failed")
+        say("  model/model.npz, model.csv, measures.csv, explore.html: the spatial model")
+        say("  cycle/model.npz, scores.csv: the model of the motion (4D)")
+    spent = sum(cost["cpu_seconds"] for _, cost in _costs(output))
+    say(f"{spent:.0f} CPU s, as costs/*.json say")
+
+
+def _costs(output: Path) -> Iterator[Tuple[str, Dict[str, Any]]]:
+    for path in sorted((output / COSTS).glob("*.json")):
+        yield path.stem, store.read_json(path)
+
+
+def _say_what_would_run(
+    folder: Path,
+    output: Path,
+    level: str,
+    base: Path,
+    found: Sequence[subjects.Subject],
+    made: Dict[str, Any],
+    say: Callable[[str], None],
+) -> None:
+    jobs = engine.planned(folder, level)
+    failing = [one for one in found if one.failed]
+    say(f"{_counted(len(found), 'subject')} from {base}, for {output}:")
+    for one in found[:LISTED]:
+        words = one.failed or _counted(len(one.files), "file")
+        say(f"  {one.name}: {words}")
+    if len(found) > LISTED:
+        say(f"  and {len(found) - LISTED} more")
+    if failing:
+        say(f"{_counted(len(failing), 'subject')} cannot be done")
+    counts = Counter(job.rule for job in jobs)
+    say(f"\n{_counted(len(jobs), 'job')} would run{':' if jobs else ': everything is there'}")
+    for rule, count in counts.items():
+        say(f"  {rule}: {count}")
+    seconds, words = _reckoned(output, jobs, base, found, made)
+    if jobs:
+        say(f"about {seconds:.0f} CPU s ({words})")
+
+
+def _reckoned(
+    output: Path,
+    jobs: List[engine.Planned],
+    base: Path,
+    found: Sequence[subjects.Subject],
+    made: Dict[str, Any],
+) -> Tuple[float, str]:
+    """CPU seconds, and where the figures are from."""
+    spent: Dict[str, List[float]] = {}
+    for name, cost in _costs(output):
+        step = name.split("-")[0]
+        spent.setdefault(step, []).append(cost["cpu_seconds"] / max(1, cost["count"]))
+    phases = _phases(base, found)
+    seconds = 0.0
+    own = False
+    for job in jobs:
+        size = made["chunks"].get(job.of, 0) if job.rule in PER_PHASE else 0
+        if job.rule in ("import", "landmarks") and job.rule in spent:
+            seconds += size * phases * sum(spent[job.rule]) / len(spent[job.rule])
+            own = True
+            continue
+        if job.rule in PER_PHASE:
+            seconds += size * (PER_SUBJECT[job.rule] + phases * PER_PHASE[job.rule])
+        elif job.rule == "atlas":
+            seconds += PER_SUBJECT["atlas"] * len([1 for one in found if not one.failed][:200])
+        seconds += PER_JOB
+    source = "this study's own jobs, costs/" if own else "figures of docs/cohorts.md"
+    return seconds, f"{phases:.3g} phases a subject; by {source}"
+
+
+def _phases(base: Path, found: Sequence[subjects.Subject]) -> float:
+    """Of a subject, on average; 4D files are looked into, some of them."""
+    fit = [one for one in found if not one.failed]
+    if not fit:
+        return 0.0
+    picked = [fit[i * len(fit) // min(len(fit), SAMPLED)] for i in range(min(len(fit), SAMPLED))]
+    return sum(sum(_phases_in(base / name) for name in one.files) for one in picked) / len(picked)
+
+
+def _phases_in(path: Path) -> int:
+    """Of a NIfTI file what its header says; 1 for others."""
+    name = path.name.lower()
+    if not files.is_label_volume(path) or not name.endswith((".nii", ".nii.gz", ".hdr")):
+        return 1
+    try:
+        with gzip.open(path) if name.endswith(".gz") else open(path, "rb") as file:
+            header = file.read(56)
+    except OSError:
+        return 1
+    order = "little" if int.from_bytes(header[:4], "little") in (348, 540) else "big"
+    count = int.from_bytes(header[48:50], order)
+    return count if int.from_bytes(header[40:42], order) >= 4 and 0 < count < 10000 else 1

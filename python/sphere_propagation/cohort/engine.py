@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Snakemake on a study's folder: its command line, and that one run at a time is at work there."""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
+
+from ..errors import InputError, SpherePropagationError
+from .worker import DEATH_SIGNAL
+
+HERE = Path(__file__).resolve().parent
+SNAKEFILE = HERE / "Snakefile"
+PROFILES = HERE / "profiles"
+LOCK = ".lock"
+LEVELS = ("participant", "group")
+NEEDED = ("snakemake", "snakemake_executor_plugin_slurm")
+PROGRESS = re.compile(r"^(\d+) of (\d+) steps \((\d+)%\) done")
+FAILED_LOG = re.compile(r"^\s+log: (\S+)")
+SHOWN = 10  # lines of a log
+
+
+class EngineError(SpherePropagationError):
+    """Snakemake is missing, or a job of its failed for another reason than a subject."""
+
+
+class Planned(NamedTuple):
+    """A job that would run: its rule, and what it is of (a chunk, a block; empty)."""
+
+    rule: str
+    of: str
+
+
+def require(profile: Optional[str] = None) -> None:
+    """EngineError where Snakemake is missing, with the line to type."""
+    if sys.version_info < (3, 11):
+        raise EngineError("cohort takes Python 3.11 or later, as Snakemake does.")
+    if find_spec(NEEDED[0]) is None:
+        raise EngineError(
+            "cohort runs its jobs through Snakemake, which is not installed: pip install "
+            "'sphere-propagation[cohort]'"
+        )
+
+
+@contextmanager
+def lock(output: Path) -> Iterator[int]:
+    """InputError where another run is at work in the folder; let go of however this one ends."""
+    path = output / LOCK
+    file = open(path, "a+", encoding="utf-8")  # noqa: SIM115 - closed below
+    try:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            file.seek(0)
+            by = file.read().strip()
+            raise InputError(
+                f"Another run is at work in {output}{f' ({by})' if by else ''}: wait until it has "
+                "ended, or choose another output folder."
+            ) from error
+        file.seek(0)
+        file.truncate()
+        file.write(f"process {os.getpid()} on {socket.gethostname()}\n")
+        file.flush()
+        yield file.fileno()
+    finally:
+        file.close()
+
+
+def command(
+    target: str, cores: Optional[int], profile: Optional[str], dry: bool = False
+) -> List[str]:
+    """Snakemake's command line, for a study's folder to be run in."""
+    step = shlex.join([sys.executable, "-m", "sphere_propagation.cohort"])
+    threads = min(cores or 8, 8)
+    words = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "--snakefile",
+        str(SNAKEFILE),
+        "--nolock",  # ours is let go of when a run is killed
+        "--rerun-incomplete",
+        "--rerun-triggers",
+        "mtime",
+        "--keep-going",
+        "--retries",
+        "2",
+        "--scheduler",
+        "greedy",
+    ]
+    if profile:
+        ours = PROFILES / profile
+        words += ["--profile", str(ours if ours.is_dir() else profile)]
+        if cores:
+            words += ["--jobs", str(cores)]
+    else:
+        words += ["--cores", str(cores)]
+    words += ["--dry-run"] * dry
+    words += ["--config", f"step={step}", f"atlas_threads={threads}"]
+    return [*words, "--", target]
+
+
+def run(
+    output: Path,
+    target: str,
+    cores: Optional[int],
+    profile: Optional[str],
+    say: Callable[[str], None],
+) -> None:
+    """EngineError, with the ends of the logs, where a job fails."""
+    failed: List[str] = []
+    words = command(target, cores, profile)
+    with subprocess.Popen(
+        words,
+        cwd=output,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        env=_environment(),
+        preexec_fn=_die_with_parent,  # noqa: PLW1509 - no thread yet
+    ) as process:
+        tail: List[str] = []
+        try:
+            for line in process.stdout:
+                progress, log = PROGRESS.match(line), FAILED_LOG.match(line)
+                if progress:
+                    say(f"{progress[1]} of {progress[2]} jobs done")
+                elif log and "(check log file" in line:
+                    failed.append(log[1])
+                tail = [*tail, line.rstrip()][-40:]
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)
+            process.wait()
+            raise
+        code = process.wait()
+    if code:
+        raise EngineError(
+            f"The study is not finished: {len(set(failed)) or 'some'} job(s) failed. The same "
+            f"command goes on where it ended.\n{_ends_of(output, failed, tail)}"
+        )
+
+
+def _environment() -> Dict[str, str]:
+    one = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    return {**os.environ, **one}
+
+
+def _die_with_parent() -> None:
+    ctypes.CDLL(None).prctl(DEATH_SIGNAL, int(signal.SIGKILL))
+
+
+def _ends_of(output: Path, logs: Sequence[str], tail: Sequence[str]) -> str:
+    """Of the jobs' logs, of the engine's where it names none."""
+    shown = []
+    for name in dict.fromkeys(logs):
+        path = output / name
+        text = path.read_text(errors="replace").strip() if path.is_file() else ""
+        end = "\n".join(text.splitlines()[-SHOWN:])
+        shown.append(f"{name}:\n{end}" if end else f"{name} is empty: the job was ended")
+    return "\n".join(shown[:3] or tail[-SHOWN:])
+
+
+def planned(output: Path, target: str) -> List[Planned]:
+    """What would run, without running it."""
+    words = command(target, 1, None, dry=True)
+    ended = subprocess.run(
+        words,
+        cwd=output,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=_environment(),
+        check=False,
+    )
+    if ended.returncode:
+        raise EngineError((ended.stdout + ended.stderr).strip()[-2000:])
+    jobs: List[Planned] = []
+    rule = ""
+    for line in (ended.stdout + ended.stderr).splitlines():
+        found = re.match(r"^(?:local)?rule (\w+):", line)
+        if found:
+            rule = found[1]
+            if rule in ("atlas", "model", "cycle", "report"):
+                jobs.append(Planned(rule, ""))
+        wild = re.match(r"^\s+wildcards: .*?(?:chunk|block)=(\d+)", line)
+        if wild and rule:
+            jobs.append(Planned("import" if rule == "import_chunk" else rule, wild[1]))
+    return jobs
+
+
+@contextmanager
+def shadow(output: Path) -> Iterator[Path]:
+    """A folder to plan in as if it were the output, which stays as it is."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for path in output.iterdir() if output.is_dir() else ():
+            if path.name == "plan":
+                shutil.copytree(path, folder / "plan")
+            elif path.name == ".snakemake":
+                (folder / ".snakemake").mkdir()
+                for part in ("metadata", "incomplete"):
+                    if (path / part).is_dir():
+                        shutil.copytree(path / part, folder / ".snakemake" / part)
+            elif path.name != LOCK:
+                (folder / path.name).symlink_to(path.resolve())
+        yield folder
+
+
+def profile_settings(profile: str) -> str:
+    """The profile's own file, for the record."""
+    path = PROFILES / profile / "config.yaml"
+    return path.read_text(encoding="utf-8") if path.is_file() else json.dumps(profile)

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""What is to be done, as files in OUTPUT/plan that are written only where they say something new:
+the engine does again what depends on these.
+
+Chunks are the jobs: a subject stays in its chunk from run to run, new ones fill the last chunk and
+then make others; so is the choice of the atlas kept, while all its subjects take part.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+from ..errors import InputError
+from ..version import version
+from . import store
+from .study import EXCLUDE, Study
+from .subjects import NAME, Subject
+
+PLAN = Path("plan")
+BLOCK = 16  # chunks whose moments are one job, and moments that are merged in one
+FEWEST_CHUNKS = 16  # where there are enough subjects: a study of 32 is to use more than one core
+IMPORT_KEYS = (
+    "labels",
+    "voxel_size",
+    "smoothing",
+    "coordinates",
+    "align_slices",
+    "handle_repair",
+    "longest_gap",
+    "skip_incomplete_phases",
+)
+ATLAS_KEYS = ("root_phase", "groupwise", "initial_map", "area_weight", "frequency", "alignment")
+LANDMARK_KEYS = ("root_phase", "order", "area_restoration", "frequency")
+ANCHOR_KEYS = ("anchor_sd", "exact_anchors")
+MODEL_KEYS = ("alignment", "modes", "cycle_phases", "systole", "order", "unit")
+YES = ("1", "x", "y", "yes", "true", "exclude")
+
+
+def number(n: int) -> str:
+    return f"{n:05d}"
+
+
+def write(
+    output: Path, study: Study, base: Path, subjects: Sequence[Subject], home: Optional[Path] = None
+) -> Dict[str, Any]:
+    """Writes the plan and returns chunks.json. base: the folder that files are relative to; home:
+    what the study's paths are relative to."""
+    folder = output / PLAN
+    names = [subject.name for subject in subjects]
+    for name in names:
+        if NAME.search(name) or name.startswith("."):
+            raise InputError(
+                f"The subject {name!r} becomes the name of files: letters, digits, _ . + and - "
+                "are allowed. Rename its file or folder, or give a table."
+            )
+    members = _members(folder, names, study.chunk)
+    present = set(names)
+    chunks = {
+        chunk: [name for name in those if name in present] for chunk, those in members.items()
+    }
+    chunks = {chunk: those for chunk, those in chunks.items() if those}
+    of = {subject.name: subject for subject in subjects}
+    for chunk, those in chunks.items():
+        store.write_if_changed(
+            folder / "import" / f"{chunk}.json",
+            {
+                **_header("import", study.part(*IMPORT_KEYS)),
+                "subjects": _entries(output, chunk, base, [of[name] for name in those]),
+            },
+        )
+    for old in folder.glob("import/*.json"):
+        if old.stem not in chunks:
+            old.unlink()
+    at = {name: chunk for chunk, those in chunks.items() for name in those}
+    store.write_if_changed(
+        folder / "atlas.json",
+        {
+            **_header("atlas", study.part(*ATLAS_KEYS, *ANCHOR_KEYS)),
+            "subjects": _atlas(folder, [s for s in subjects if not s.failed], study, at),
+        },
+    )
+    store.write_if_changed(
+        folder / "landmarks.json",
+        _header("landmarks", study.part(*LANDMARK_KEYS, *ANCHOR_KEYS)),
+    )
+    excluded = excluded_in(_exclude_file(output, study, home), names)
+    store.write_if_changed(
+        folder / "model.json",
+        {**_header("model", study.part(*MODEL_KEYS)), "exclude": excluded},
+    )
+    store.write_if_changed(folder / "report.json", _header("report", study.part("quality")))
+    store.write_if_changed(folder / "members.json", members)
+    blocks = tree(sorted(chunks))
+    plan = {
+        "chunks": {chunk: len(those) for chunk, those in sorted(chunks.items())},
+        "atlas": sorted(
+            {at[name] for name, _ in store.read_json(folder / "atlas.json")["subjects"]}
+        ),
+        "levels": blocks,
+        "keep_surfaces": study.keep_surfaces,
+    }
+    store.write_if_changed(folder / "chunks.json", plan)
+    store.write_if_changed(
+        folder / "study.json",
+        {
+            "version": version(),
+            "input": str(base),
+            "study": study.as_dict(),
+            "subjects": len(subjects),
+        },
+    )
+    return plan
+
+
+def _header(step: str, parameters: Mapping[str, Any]) -> Dict[str, Any]:
+    return {"step": step, "version": version(), "parameters": dict(parameters)}
+
+
+def tree(chunks: Sequence[str]) -> List[Dict[str, List[str]]]:
+    """By level what is merged into what: at level 0 chunks, at the others what is one below; the
+    last level has one."""
+    levels: List[Dict[str, List[str]]] = []
+    below = list(chunks)
+    while not levels or len(levels[-1]) > 1:
+        groups = [below[i : i + BLOCK] for i in range(0, len(below), BLOCK)]
+        levels.append({number(i): group for i, group in enumerate(groups)})
+        below = list(levels[-1])
+    return levels
+
+
+def _members(folder: Path, names: Sequence[str], size: int) -> Dict[str, List[str]]:
+    """Chunk -> the subjects that were ever in it."""
+    path = folder / "members.json"
+    members: Dict[str, List[str]] = store.read_json(path) if path.is_file() else {}
+    known = {name for those in members.values() for name in those}
+    if not known & set(names):  # another study, or the first run
+        members = {}
+        size = min(size, -(-len(names) // FEWEST_CHUNKS))
+    elif members:
+        size = min(size, max(map(len, members.values())))
+    known = {name for those in members.values() for name in those}
+    last = number(len(members) - 1)
+    for name in names:
+        if name in known:
+            continue
+        if not members or len(members[last]) >= size:
+            last = number(len(members))
+            members[last] = []
+        members[last].append(name)
+    return members
+
+
+def _atlas(
+    folder: Path, subjects: Sequence[Subject], study: Study, at: Mapping[str, str]
+) -> List[List[str]]:
+    """Names and chunks: those of the run before where all still take part, else evenly spread."""
+    names = [subject.name for subject in subjects]
+    path = folder / "atlas.json"
+    if path.is_file():
+        before = [name for name, _ in store.read_json(path)["subjects"]]
+        enough = len(before) <= study.atlas_subjects and before
+        if enough and set(before) <= set(names) and (folder / "members.json").is_file():
+            return [[name, at[name]] for name in before]
+    count = min(len(names), study.atlas_subjects)
+    picked = [names[i * len(names) // count] for i in range(count)] if count else []
+    return [[name, at[name]] for name in picked]
+
+
+def _entries(
+    output: Path, chunk: str, base: Path, subjects: Sequence[Subject]
+) -> List[Dict[str, Any]]:
+    """As the import reads them. A file whose time alone has changed keeps its entry."""
+    path = output / PLAN / "import" / f"{chunk}.json"
+    before: Dict[str, Dict[str, Any]] = {}
+    if path.is_file():
+        for entry in store.read_json(path)["subjects"]:
+            for file in [*entry["files"], *([entry["anchors"]] if entry["anchors"] else [])]:
+                before[file["file"]] = file
+    sums: Dict[str, str] = {}
+    done = output / "surfaces" / f"{chunk}.json"
+    if done.is_file():
+        for record in store.read_json(done)["subjects"]:
+            for file in [*record["files"], *([record["anchors"]] if record["anchors"] else [])]:
+                sums[file["file"]] = file["sha256"]
+
+    def entry(name: str) -> Dict[str, Any]:
+        try:
+            found = (base / name).stat()
+        except OSError:
+            return {"file": name, "bytes": -1, "mtime_ns": 0}
+        now = {"file": name, "bytes": found.st_size, "mtime_ns": found.st_mtime_ns}
+        old = before.get(name)
+        same = old and old["bytes"] == now["bytes"]
+        if same and (old == now or sums.get(name) == store.digest(base / name)):
+            return old
+        return now
+
+    return [
+        {
+            "subject": subject.name,
+            "files": [entry(name) for name in subject.files],
+            "anchors": entry(subject.anchors) if subject.anchors else None,
+            "groups": subject.groups,
+            "failed": subject.failed,
+        }
+        for subject in subjects
+    ]
+
+
+def _exclude_file(output: Path, study: Study, home: Optional[Path]) -> Path:
+    if study.exclude == EXCLUDE or home is None:
+        return output / study.exclude
+    path = home / study.exclude
+    if not path.is_file():
+        raise InputError(f"exclude: there is no file {path}.")
+    return path
+
+
+def excluded_in(path: Path, names: Sequence[str]) -> List[str]:
+    """Subjects that a table (subject, exclude, ...) marks; all that it names where it has no column
+    exclude."""
+    if not path.is_file():
+        return []
+    text = path.read_text(encoding="utf-8-sig")
+    first = text.split("\n", 1)[0]
+    delimiter = max("\t;,", key=first.count)
+    rows = list(csv.DictReader(text.splitlines(), delimiter=delimiter))
+    if rows and "subject" not in rows[0]:
+        raise InputError(f"{path} lacks the column subject.")
+    known = set(names)
+    marked = []
+    for row in rows:
+        name = (row["subject"] or "").strip()
+        if (row.get("exclude", "yes") or "").strip().lower() not in YES:
+            continue
+        if name not in known:
+            raise InputError(f"{path}: there is no subject {name!r}.")
+        marked.append(name)
+    return sorted(set(marked))

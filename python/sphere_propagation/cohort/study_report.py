@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Step `report`: what people open. The model as a file that the package and others read, a table of
+subjects, and the page."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Mapping, Tuple
+
+import numpy as np
+
+from .. import attention, filters
+from ..explorer import explore
+from ..model import ShapeModel
+from . import atlas, merging, spatial, store
+from .landmarks import LANDMARKS
+from .plan import PLAN
+
+MODEL = Path("model")
+SAMPLE = 500  # subjects whose frames generalisation and specificity are measured with
+TRAINING = 2000  # shapes whose scores the model's file has
+FIT_COLUMNS = ("surface_distance", "deviation", "percentile", "residual_mean", "unexplained")
+COLUMNS = (
+    "subject",
+    "chunk",
+    "status",
+    "step",
+    "reason",
+    "phases",
+    "root",
+    "volume_max",
+    "volume_min",
+    "flipped_faces",
+    "repaired_faces",
+    "residual_mean",
+    "residual_max",
+    "area_ratio_sd",
+    "surface_distance",
+    "branch_distance",
+    *(f"fit_{name}" for name in FIT_COLUMNS),
+    "model_deviation",
+    "model_residual",
+    "warnings",
+)
+
+
+def run() -> int:
+    """Writes the files; returns how many subjects are in the model."""
+    plan = store.read_json(PLAN / "model.json")
+    table = list(rows_of_subjects(plan))
+    store.write_text(Path("subjects.csv"), _as_csv(table))
+    model = _model(plan)
+    _measures(plan, model)
+    unit, cyclic = plan["parameters"]["unit"], False
+    with store.whole(MODEL / "explore.html") as part:
+        explore(model, title="cohort", unit=unit, cyclic=cyclic).save(part)
+    return sum(row["status"] == "done" for row in table)
+
+
+def rows_of_subjects(plan: Mapping[str, Any]) -> Iterator[Dict[str, Any]]:
+    """As subjects.csv has them, one chunk in memory at a time."""
+    excluded = set(plan["exclude"])
+    blocks = merging.blocks_of(0)
+    for block, chunks in blocks.items():
+        scores = store.read_json(spatial.SCORES / f"{block}.json")["subjects"]
+        in_model = {one["subject"]: one for one in scores}
+        for chunk in chunks:
+            for record in store.read_json(LANDMARKS / f"{chunk}.json")["subjects"]:
+                row = {**record["groups"], "subject": record["subject"], "chunk": chunk}
+                failed = record["failed"]
+                if failed:
+                    row.update(status="failed", step=failed["step"], reason=failed["reason"])
+                    yield row
+                    continue
+                row["status"] = "excluded" if record["subject"] in excluded else "done"
+                row.update(_figures(record, in_model.get(record["subject"])))
+                yield row
+
+
+def _figures(record: Mapping[str, Any], scored) -> Dict[str, Any]:
+    row = {
+        "phases": record["phases"],
+        "root": record["root"],
+        "volume_max": max(record["volume"]),
+        "volume_min": min(record["volume"]),
+        "flipped_faces": sum(record["flipped_faces"]),
+        "repaired_faces": sum(record["repaired_faces"]),
+        "residual_mean": float(np.mean(record["residual_mean"])),
+        "residual_max": max(record["residual_mean"]),
+        "area_ratio_sd": record["area_ratio_sd"][record["root"]],
+        "surface_distance": max(record["surface_distance_mean"]),
+        "branch_distance": record.get("branch_distance", ""),
+        "warnings": " ".join(sorted({one["message"] for one in record["warnings"]})),
+    }
+    row.update({f"fit_{name}": record["fit"].get(name, "") for name in FIT_COLUMNS})
+    if scored:
+        row["model_deviation"] = max(scored["deviation"])
+        row["model_residual"] = max(scored["residual"])
+    return row
+
+
+def _as_csv(table: List[Dict[str, Any]]) -> str:
+    groups = list(dict.fromkeys(key for row in table for key in row if key not in COLUMNS))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, [*COLUMNS, *groups], lineterminator="\n", restval="")
+    writer.writeheader()
+    for row in table:
+        writer.writerow(
+            {
+                key: f"{value:.6g}" if isinstance(value, float) else value
+                for key, value in row.items()
+            }
+        )
+    return text.getvalue()
+
+
+def _training(plan: Mapping[str, Any]) -> Tuple[List[str], np.ndarray]:
+    """Names and scores of up to TRAINING shapes, evenly spread."""
+    total = 0
+    blocks = list(merging.blocks_of(0))
+    for block in blocks:
+        total += len(np.load(spatial.SCORES / f"{block}.npy", mmap_mode="r"))
+    count = min(total, TRAINING)
+    wanted = [i * total // count for i in range(count)]
+    names, rows, first = [], [], 0
+    for block in blocks:
+        scores = np.load(spatial.SCORES / f"{block}.npy", mmap_mode="r")
+        called = [
+            f"{one['subject']} {phase}" if one["phases"] > 1 else one["subject"]
+            for one in store.read_json(spatial.SCORES / f"{block}.json")["subjects"]
+            for phase in range(one["phases"])
+        ]
+        here = [i - first for i in wanted if first <= i < first + len(scores)]
+        names += [called[i] for i in here]
+        rows.append(np.asarray(scores[here]))
+        first += len(scores)
+    return names, np.concatenate(rows)
+
+
+def _model(plan: Mapping[str, Any]) -> ShapeModel:
+    """model/model.npz and model.csv."""
+    basis = store.read_arrays(spatial.BASIS)
+    names, scores = _training(plan)
+    values, total = basis["eigenvalues"], float(basis["total_variance"])
+    left = basis["mean"].size - len(values)
+    noise = max(0.0, total - values.sum()) / left if left else 0.0
+    faces = atlas.read().faces
+    store.write_arrays(
+        MODEL / "model.npz",
+        {
+            "mean": basis["mean"],
+            "modes": basis["modes"],
+            "eigenvalues": values,
+            "scores": scores,
+            "faces": np.asarray(faces, np.int32),
+            "noise_variance": np.float64(noise),
+            "names": np.array(names),
+            "shapes": basis["count"],
+            "total_variance": basis["total_variance"],
+        },
+    )
+    share = np.cumsum(values) / (total or 1.0)
+    lines = ["modes,eigenvalue,compactness,variance_share"]
+    for m, value in enumerate(values):
+        lines.append(f"{m + 1},{value:.17g},{np.cumsum(values)[m]:.10g},{share[m]:.10g}")
+    store.write_text(MODEL / "model.csv", "\n".join(lines) + "\n")
+    figures = {"compactness": np.cumsum(values), "variance_share": share}
+    return ShapeModel(
+        basis["mean"], basis["modes"], values, scores, faces, names, total, figures, None, noise
+    )
+
+
+def _measures(plan: Mapping[str, Any], model: ShapeModel) -> None:
+    """model/measures.csv: generalisation (a subject left out) and specificity of the frames of up
+    to SAMPLE subjects, evenly spread, as the package's model has them."""
+    subjects = [
+        (chunk, record)
+        for chunks in merging.blocks_of(0).values()
+        for chunk in chunks
+        for record in merging.used(chunk, plan["exclude"])
+    ]
+    count = min(len(subjects), SAMPLE)
+    picked = [subjects[i * len(subjects) // count] for i in range(count)]
+    lines = ["modes,generalisation,generalisation_error,specificity,specificity_error"]
+    if count > 2:
+        points = np.stack(
+            [
+                np.load(LANDMARKS / f"{chunk}.npy", mmap_mode="r")[record["row"] + record["root"]]
+                for chunk, record in picked
+            ]
+        )
+        with attention.silenced():
+            found = filters.shape_model(
+                points.reshape(count, -1, 3).astype(float),
+                model.faces,
+                [record["subject"] for _, record in picked],
+                alignment=plan["parameters"]["alignment"],
+            ).figures
+        for m in range(len(found["generalisation"])):
+            lines.append(",".join([str(m + 1), *(f"{found[key][m]:.6g}" for key in _names())]))
+    store.write_text(MODEL / "measures.csv", "\n".join(lines) + "\n")
+
+
+def _names() -> List[str]:
+    return ["generalisation", "generalisation_error", "specificity", "specificity_error"]
