@@ -365,10 +365,16 @@ make_environment() {
   fi
   # Wheels are kept: not every package index lets pip cache, and the next environment needs no network.
   if ! cmp -s "$wheels/requirements.txt" "$requirements"; then
-    say "Downloading Python packages ($([ -n "${1-}" ] && echo "for the $1" || echo "about 330 MB"), once)"
+    say "Downloading Python packages ($([ -n "${1-}" ] && echo "for the $1" || echo "about 370 MB"), once)"
     rm -rf "$wheels.part"; mkdir -p "$wheels.part"
+    local source
+    for source in $(sed -n 's/^# built from source: //p' "$requirements"); do
+      logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check wheel -q --no-deps -w "$wheels.part" "$source" ||
+        die "could not build the Python package $source"
+    done
     logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check download -q --only-binary :all: -r "$requirements" \
-      -d "$wheels.part" $([ ! -d "$wheels" ] || echo --find-links "$wheels") || die "could not download the Python packages"
+      -d "$wheels.part" --find-links "$wheels.part" $([ ! -d "$wheels" ] || echo --find-links "$wheels") ||
+      die "could not download the Python packages"
     cp "$requirements" "$wheels.part/requirements.txt"
     rm -rf "$wheels"
     mv -T "$wheels.part" "$wheels"

@@ -81,7 +81,7 @@ class Archive:
         entry = zipfile.ZipInfo(f"{name}.npy", EARLIEST)
         with self._zip.open(entry, "w", force_zip64=True) as file:
             held = io.BytesIO()
-            np.lib.format.write_array(held, np.ascontiguousarray(array), allow_pickle=False)
+            np.lib.format.write_array(held, np.asarray(array, order="C"), allow_pickle=False)
             file.write(held.getbuffer())
 
     def close(self) -> None:
