@@ -99,6 +99,9 @@ def _say_what_came_out(
     say(f"\nIn {output.resolve()}:")
     say("  landmarks/*.npy, *.json: a chunk of subjects each, and what was measured of them")
     if level == "group":
+        say(
+            "  report.html: subjects by what stands out, with a report of each; exclude.csv from it"
+        )
         say("  subjects.csv: a row for each subject, with the reason where it failed")
         say("  model/model.npz, model.csv, measures.csv, explore.html: the spatial model")
         say("  cycle/model.npz, scores.csv: the model of the motion (4D)")

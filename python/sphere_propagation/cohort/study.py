@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 from ..errors import InputError
 from ..parameters import DEFAULTS, NAMED, in_full, whole_numbers
 from ..units import DEFAULT_UNIT, unit_named
+from . import quality
 
 PHASE_ORDERS = ("Time", "Cyclic time", "Star", "Similarity tree")
 LARGEST = "largest"
@@ -132,10 +133,10 @@ def _unit(key: str, value: Any) -> str:
     return unit_named(value)
 
 
-def _table(key: str, value: Any) -> Dict[str, Any]:
+def _quality(key: str, value: Any) -> Dict[str, Any]:
     if not isinstance(value, Mapping):
         raise _wrong(key, f"a table, [{key}]", value)
-    return dict(value)
+    return quality.checked(value)
 
 
 CHECKS: Dict[str, Check] = {
@@ -167,7 +168,7 @@ CHECKS: Dict[str, Check] = {
     "systole": _number(0.05, 0.95),
     "chunk": _number(1, 1000, whole=True),
     "keep_surfaces": _flag,
-    "quality": _table,
+    "quality": _quality,
 }
 
 

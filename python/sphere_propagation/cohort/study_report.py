@@ -14,7 +14,7 @@ import numpy as np
 from .. import attention, filters
 from ..explorer import explore
 from ..model import ShapeModel
-from . import atlas, merging, spatial, store
+from . import atlas, merging, quality, spatial, store
 from .landmarks import LANDMARKS
 from .plan import PLAN
 
@@ -56,6 +56,7 @@ def run() -> int:
     unit, cyclic = plan["parameters"]["unit"], False
     with store.whole(MODEL / "explore.html") as part:
         explore(model, title="cohort", unit=unit, cyclic=cyclic).save(part)
+    quality.write(Path("."))
     return sum(row["status"] == "done" for row in table)
 
 
