@@ -46,14 +46,27 @@ class Planned(NamedTuple):
 
 
 def require(profile: Optional[str] = None) -> None:
-    """EngineError where Snakemake is missing, with the line to type."""
+    """EngineError where Snakemake is missing, or its Slurm for our profile, with the line to
+    type."""
     if sys.version_info < (3, 11):
         raise EngineError("cohort takes Python 3.11 or later, as Snakemake does.")
-    if find_spec(NEEDED[0]) is None:
+    if not _is_installed(NEEDED[0]):
         raise EngineError(
             "cohort runs its jobs through Snakemake, which is not installed: pip install "
             "'sphere-propagation[cohort]'"
         )
+    if profile == "slurm" and not _is_installed(NEEDED[1]):
+        raise EngineError(
+            "Snakemake's plugin for Slurm is not installed: pip install "
+            "'sphere-propagation[cohort]'"
+        )
+
+
+def _is_installed(name: str) -> bool:
+    try:
+        return find_spec(name) is not None
+    except ValueError:  # somebody took it out of sys.modules
+        return False
 
 
 @contextmanager

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""`sphere-propagation cohort`, with Snakemake: a whole study, one that is killed, and what is done
+again."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import sphere_propagation as sp
+from cohort_inputs import make_input, results, write_subject
+from sphere_propagation.cohort import engine, store
+
+PYTHON = Path(sp.__file__).parents[1]
+pytestmark = pytest.mark.skipif(
+    sys.version_info < (3, 11), reason="Snakemake takes Python 3.11 or later"
+)
+
+
+def command(*words):
+    return [sys.executable, "-m", "sphere_propagation", "cohort", *map(str, words)]
+
+
+def environment():
+    return {**os.environ, "PYTHONPATH": str(PYTHON)}
+
+
+def run(*words, code=0):
+    """What it says; its errors where it is to fail."""
+    ended = subprocess.run(
+        command(*words), capture_output=True, text=True, timeout=600, check=False, env=environment()
+    )
+    assert ended.returncode == code, ended.stdout + ended.stderr
+    return ended.stderr if code else ended.stdout
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Input, study and output of a run that nothing disturbed."""
+    pytest.importorskip("snakemake")
+    folder = tmp_path_factory.mktemp("cohort")
+    make_input(folder / "in", 2)
+    (folder / "study.toml").write_text(
+        "frequency = 4\nmodes = 8\ncycle_phases = 6\natlas_subjects = 2\n"
+    )
+    words = folder / "in", folder / "out", "group", "--config", folder / "study.toml"
+    said = run(*words, "--cores", 2)
+    return folder, words, said
+
+
+def until(condition, seconds=120):
+    end = time.time() + seconds
+    while not condition():
+        assert time.time() < end
+        time.sleep(0.05)
+
+
+def test_a_study_from_files_to_models(study):
+    folder, _, said = study
+    assert "4 subjects in 4 chunks, 2 in the atlas" in said
+    assert "2 subjects done, 6 surfaces; 2 failed" in said
+    assert "sub-90 (import):" in said and "subjects.csv" in said
+    model = sp.read_model(folder / "out/model/model.npz")
+    assert model.mean.shape == (162, 3) and len(model.scores) == 6
+    assert "CPU s" in said and list((folder / "out/costs").glob("landmarks-*.json"))
+
+
+def test_a_run_that_was_killed_goes_on_to_the_same_bits(study, tmp_path):
+    """With its jobs, a kill of which only one job is told, and by another number of cores."""
+    folder, words, _ = study
+    out = tmp_path / "out"
+    words = words[0], out, *words[2:]
+    with subprocess.Popen(
+        command(*words, "--cores", 2), stdout=subprocess.PIPE, text=True, env=environment()
+    ) as killed:
+        until((out / "atlas.npz").exists)
+        killed.kill()
+    time.sleep(0.2)
+    assert not (out / "subjects.csv").exists()
+    with subprocess.Popen(
+        command(*words, "--cores", 1), stdout=subprocess.PIPE, text=True, env=environment()
+    ) as resumed:
+        until(lambda: (out / ".lock").read_text().startswith(f"process {resumed.pid} "))
+        refused = run(*words, "--cores", 1, code=2)
+        assert "Another run is at work" in refused and f"process {resumed.pid} on" in refused
+        said, _ = resumed.communicate()
+    assert resumed.returncode == 0 and "2 subjects done" in said
+    assert results(out) == results(folder / "out")
+    assert not list(out.rglob("*.part"))
+
+
+def test_only_what_depends_on_a_change_is_done_again(study):
+    folder, words, _ = study
+    out = folder / "out"
+    assert "0 jobs would run: everything is there" in run(*words, "--dry-run")
+    (out / "exclude.csv").write_text("subject\nsub-90\n")
+    excluded = run(*words, "--dry-run")
+    assert "scatter: 1" in excluded and "landmarks" not in excluded and "import" not in excluded
+    (out / "exclude.csv").unlink()
+    write_subject(folder / "in/sub-99", 7)
+    planned = run(*words, "--dry-run")
+    assert "import: 1\n" in planned and "landmarks: 1\n" in planned and "atlas" not in planned
+    before = {path: path.stat().st_mtime_ns for path in out.glob("landmarks/*.npy")}
+    run(*words, "--cores", 2)
+    assert all(path.stat().st_mtime_ns == then for path, then in before.items())
+    assert len(list(out.glob("landmarks/*.npy"))) == len(before) + 1
+    assert "sub-99" in (out / "subjects.csv").read_text()
+
+
+def test_what_is_wrong_is_said_before_anything_runs(study, tmp_path):
+    folder, words, _ = study
+    (tmp_path / "study.toml").write_text("frequncy = 3\n")
+    said = run(
+        folder / "in", tmp_path / "out", "group", "--config", tmp_path / "study.toml", code=2
+    )
+    assert "'frequncy'" in said and "is 'frequency' meant" in said
+    assert not (tmp_path / "out").exists()
+    assert "choose a new folder" in run(folder / "in", tmp_path, "group", code=2)
+    assert "lies in the output" in run(folder / "in", folder / "in", "group", code=2)
+    assert "--cores" in run(folder / "in", tmp_path / "out", "group", "--cores", 0, code=2)
+
+
+def test_without_snakemake_the_line_to_type_is_said(run_python, tmp_path):
+    code = (
+        "import sys; sys.modules['snakemake'] = None\n"
+        "from sphere_propagation.command import main\n"
+        "sys.exit(main(['cohort', sys.argv[1], sys.argv[1] + '/out', 'group']))"
+    )
+    ended = run_python(code, str(tmp_path))
+    assert ended.returncode == 1
+    assert "pip install 'sphere-propagation[cohort]'" in ended.stderr
+
+
+def test_a_job_that_fails_says_why(tmp_path):
+    log = tmp_path / "logs/atlas.log"
+    log.parent.mkdir()
+    log.write_text("first\nlast\n")
+    assert engine._ends_of(tmp_path, ["logs/atlas.log", "logs/x.log"], []).endswith(
+        "last\nlogs/x.log is empty: the job was ended"
+    )
+
+
+def test_the_lock_is_let_go_of(tmp_path):
+    with (
+        engine.lock(tmp_path),
+        pytest.raises(sp.InputError, match="Another run"),
+        engine.lock(tmp_path),
+    ):
+        pass
+    with engine.lock(tmp_path):
+        pass
+
+
+def test_planning_in_the_shadow_leaves_the_output_as_it_is(tmp_path):
+    store.write_json(tmp_path / "plan/a.json", 1)
+    with engine.shadow(tmp_path) as folder:
+        store.write_json(folder / "plan/a.json", 2)
+    assert store.read_json(tmp_path / "plan/a.json") == 1

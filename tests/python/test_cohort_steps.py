@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""The steps of a study, called one by one, without an engine."""
+
+import csv
+import faulthandler
+import json
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sphere_propagation as sp
+from cohort_inputs import inside, make_input, planned, results, run_steps
+from sphere_propagation.cohort import cycles, importing, merging, store, worker
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Input and output of a study of three subjects, and two that cannot be done."""
+    folder = tmp_path_factory.mktemp("study")
+    where = make_input(folder / "in")
+    planned(where, folder / "out")
+    run_steps(folder / "out")
+    return where, folder / "out"
+
+
+def records(output):
+    return {
+        record["subject"]: record
+        for path in sorted((output / "landmarks").glob("*.json"))
+        for record in json.loads(path.read_text())["subjects"]
+    }
+
+
+def stacked(output):
+    """Of all subjects that were done, (shapes, landmarks, 3)."""
+    found = [np.load(path) for path in sorted((output / "landmarks").glob("*.npy"))]
+    return np.concatenate(found).reshape(-1, found[0].shape[1] // 3, 3)
+
+
+def test_landmarks_lie_on_each_subjects_own_surfaces(done):
+    where, output = done
+    found = records(output)
+    assert [name for name, record in found.items() if not record["failed"]] == [
+        "sub-00",
+        "sub-01",
+        "sub-02",
+    ]
+    record = found["sub-01"]
+    assert record["phases"] == 3 and record["flipped_faces"] == [0, 0, 0]
+    assert record["names"] == ["phase_0", "phase_1", "phase_2"]
+    assert record["root"] == int(np.argmax(record["volume"]))
+    assert max(record["residual_mean"]) < 1 and record["fit"]["surface_distance"] < 0.5
+    shapes = stacked(output)
+    assert shapes.shape == (9, 162, 3) and shapes.dtype == np.float32
+    for phase in range(3):
+        surface = sp.read_mesh(where / f"sub-01/phase_{phase}.ply")
+        away = np.linalg.norm(shapes[3 + phase][:, None] - surface.vertices, axis=2).min(1)
+        assert (
+            away.max() < 4 and abs(shapes[3 + phase].mean(0) - surface.vertices.mean(0)).max() < 5
+        )
+
+
+def test_what_cannot_be_done_is_listed_with_its_reason_and_left_out(done):
+    _, output = done
+    found = records(output)
+    assert found["sub-90"]["failed"]["step"] == "import"
+    assert "cannot be read as a mesh" in found["sub-90"]["failed"]["reason"]
+    assert str(output.parent) not in found["sub-90"]["failed"]["reason"]
+    assert "open" in found["sub-91"]["failed"]["reason"]
+    with open(output / "subjects.csv", newline="", encoding="utf-8") as file:
+        rows = {row["subject"]: row for row in csv.DictReader(file)}
+    assert [row["status"] for row in rows.values()] == ["done"] * 3 + ["failed"] * 2
+    assert rows["sub-91"]["reason"] == found["sub-91"]["failed"]["reason"]
+    atlas = json.loads((output / "atlas.json").read_text())
+    assert atlas["subjects"] == ["sub-00", "sub-01", "sub-02"]
+    assert set(atlas["left_out"]) == {"sub-90", "sub-91"}
+
+
+def test_the_model_is_that_of_all_shapes_at_once(done):
+    _, output = done
+    reference = np.load(output / "atlas.npz")["mean"]
+    rows = merging.aligned(stacked(output), reference, "Similarity").reshape(9, -1)
+    away = rows - rows.mean(0)
+    direct = np.linalg.svd(away, compute_uv=False) ** 2 / 8
+    model = sp.read_model(output / "model/model.npz")
+    assert np.allclose(model.eigenvalues, direct[:8], rtol=1e-8)
+    assert np.allclose(model.mean.ravel(), rows.mean(0), atol=1e-9)
+    assert np.allclose(
+        model.mean + np.tensordot(model.scores, model.modes, 1), rows.reshape(9, -1, 3), atol=1e-6
+    )
+    assert model.noise_variance < 1e-9
+    fitted = sp.fit(model, sp.make_phantom(phases=3, voxel_size=4.0, seed=1)[0])
+    assert fitted.figures["surface_distance"] < 0.5
+
+
+def test_the_model_of_motion_gives_back_the_cycles(done):
+    _, output = done
+    found = np.load(output / "cycle/model.npz")
+    assert found["mean"].shape == (6, 8) and found["count"] == 3
+    with open(output / "cycle/scores.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))[1:]
+    scores = np.array([[float(word) for word in row[1:]] for row in rows])
+    made = found["mean"] + np.tensordot(scores, found["modes"], 1)
+    cycle = np.concatenate([np.load(path) for path in sorted(output.glob("scores/*_cycle.npy"))])
+    assert np.allclose(made.reshape(3, -1), cycle, atol=1e-3)
+
+
+def test_another_run_gives_the_same_bits(done, tmp_path):
+    where, output = done
+    planned(where, tmp_path / "out")
+    run_steps(tmp_path / "out")
+    assert results(tmp_path / "out") == results(output)
+
+
+def test_every_output_says_what_it_came_from(done):
+    where, output = done
+    said = json.loads(next((output / "landmarks").glob("*.json")).read_text())
+    assert said["version"] == sp.__version__ and said["parameters"]["frequency"] == 4
+    assert said["inputs"]["atlas.npz"] == store.digest(output / "atlas.npz")
+    file = said["subjects"][0]["files"][0]
+    assert file["sha256"] == store.digest(where / file["file"])
+
+
+def test_a_subject_that_crashes_the_program_is_listed_and_the_next_goes_on():
+    def work(item):
+        if item == "crash":
+            faulthandler.disable()
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if item == "error":
+            raise ValueError("no\ngood")
+        return item.upper()
+
+    found = list(worker.each(work, ["a", "crash", "error", "b"]))
+    assert [place for place, _, _ in found] == [0, 1, 2, 3]
+    assert [result for _, result, _ in found] == ["A", None, None, "B"]
+    assert "SIGSEGV" in found[1][2] and found[2][2] == "ValueError: no good"
+
+
+def test_one_that_was_killed_is_tried_again(tmp_path):
+    def work(item):
+        mark = tmp_path / item
+        if item == "b" and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        if item == "c":
+            os.kill(os.getpid(), signal.SIGKILL)
+        return item
+
+    found = list(worker.each(work, "abcd"))
+    assert [result for _, result, _ in found] == ["a", "b", None, "d"]
+    assert "SIGKILL" in found[2][2] and "memory" in found[2][2]
+
+
+def test_what_is_the_machines_fault_is_no_subjects():
+    def work(item):
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left"):
+        list(worker.each(work, "a"))
+
+
+def test_label_volumes_lack_labels(egg_file):
+    entry = {
+        "subject": "egg",
+        "files": [{"file": egg_file.name}],
+        "groups": {},
+        "anchors": None,
+        "failed": "",
+    }
+    with pytest.raises(sp.FilterError, match="7"):
+        importing.import_subject(egg_file.parent, entry, {"labels": "7"})
+    record, surfaces = importing.import_subject(egg_file.parent, entry, {"labels": "1"})
+    assert record["phases"] == len(surfaces) == 1 and record["volume"][0] > 0
+
+
+def test_files_are_written_whole_or_not_at_all(tmp_path):
+    path = tmp_path / "a.json"
+    store.write_json(path, [1])
+    with pytest.raises(RuntimeError), store.whole(path) as part:
+        part.write_text("half")
+        raise RuntimeError
+    assert json.loads(path.read_text()) == [1] and list(tmp_path.iterdir()) == [path]
+
+
+def test_rows_and_archives_are_numpys(tmp_path):
+    table = np.arange(12.0).reshape(4, 3)
+    with store.rows(tmp_path / "rows.npy", 3) as rows:
+        rows.add(table[:1])
+        rows.add(table[1:])
+    assert np.array_equal(np.load(tmp_path / "rows.npy", mmap_mode="r"), table)
+    store.write_arrays(tmp_path / "a.npz", {"x/y": table.T, "n": np.float64(3)})
+    found = store.read_arrays(tmp_path / "a.npz")
+    assert np.array_equal(found["x/y"], table.T) and found["n"].shape == ()
+    before = (tmp_path / "a.npz").read_bytes()
+    store.write_arrays(tmp_path / "a.npz", {"x/y": table.T, "n": np.float64(3)})
+    assert (tmp_path / "a.npz").read_bytes() == before
+
+
+def test_a_cycle_begins_at_end_diastole_and_has_end_systole_at_its_share():
+    volume = np.array([70.0, 100.0, 80.0, 50.0, 60.0])
+    scores = np.stack([volume, np.arange(5.0)], 1)
+    found = cycles.resampled(scores, volume, 20, 0.35, True)
+    assert found.shape == (20, 2)
+    assert found[0, 0] == 100 and found[7, 0] == 50  # 0.35 of 20
+    assert np.all(np.diff(found[:8, 0]) < 0) and np.all(np.diff(found[7:, 0]) > 0)
+    turned = cycles.resampled(np.roll(scores, 2, 0), np.roll(volume, 2), 20, 0.35, True)
+    assert np.allclose(turned, found)
+    assert cycles.resampled(scores[:2], volume[:2], 20, 0.35, True) is None
+    line = cycles.resampled(scores, volume, 9, 0.35, False)
+    assert np.allclose(line[:, 1], np.linspace(0, 4, 9))
+
+
+def test_one_subject_makes_an_atlas_and_one_shape_no_model(tmp_path):
+    where = tmp_path / "in"
+    where.mkdir()
+    surface = sp.make_phantom(phases=1, voxel_size=4.0)[0]
+    sp.write_ply(where / "a.ply", surface.vertices, surface.faces)
+    planned(where, tmp_path / "out")
+    with pytest.raises(worker.Failed, match="1 shape cannot make a model"):
+        run_steps(tmp_path / "out")
+    with inside(tmp_path / "out"):
+        assert np.load(Path("landmarks/00000.npy")).shape == (1, 486)
