@@ -370,7 +370,7 @@ make_environment() {
     local source
     for source in $(sed -n 's/^# built from source: //p' "$requirements"); do
       logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check wheel -q --no-deps -w "$wheels.part" "$source" ||
-        die "could not download the Python packages"
+        die "could not build the Python package $source"
     done
     logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check download -q --only-binary :all: -r "$requirements" \
       -d "$wheels.part" --find-links "$wheels.part" $([ ! -d "$wheels" ] || echo --find-links "$wheels") ||

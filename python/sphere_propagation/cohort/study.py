@@ -55,7 +55,7 @@ class Study:
     # jobs
     chunk: int = 50
     keep_surfaces: bool = True
-    quality: Dict[str, Any] = field(default_factory=dict)
+    quality: Dict[str, Any] = field(default_factory=lambda: quality.checked({}))
 
     def part(self, *names: str) -> Dict[str, Any]:
         """Some of its keys, for the steps that depend on them."""
