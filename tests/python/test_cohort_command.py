@@ -68,7 +68,7 @@ def test_a_study_from_files_to_models(study):
 
 
 def test_a_run_that_was_killed_goes_on_to_the_same_bits(study, tmp_path):
-    """With its jobs, a kill of which only one job is told, and by another number of cores."""
+    """With its jobs; by another number of cores."""
     folder, words, _ = study
     out = tmp_path / "out"
     words = words[0], out, *words[2:]

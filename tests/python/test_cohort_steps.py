@@ -222,3 +222,29 @@ def test_one_subject_makes_an_atlas_and_one_shape_no_model(tmp_path):
         run_steps(tmp_path / "out")
     with inside(tmp_path / "out"):
         assert np.load(Path("landmarks/00000.npy")).shape == (1, 486)
+
+
+def test_anchors_become_landmarks_of_the_atlas_and_of_everybody(tmp_path):
+    """Frames with two anchors, the apex and a place beside it; one subject lacks them."""
+    where, marks = tmp_path / "in", tmp_path / "in/marks"
+    marks.mkdir(parents=True)
+    apex = {}
+    for seed in range(3):
+        surface = sp.make_phantom(phases=1, voxel_size=4.0, seed=seed)[0]
+        name = f"s{seed}"
+        sp.write_ply(where / f"{name}.ply", surface.vertices, surface.faces)
+        low = surface.vertices[surface.vertices[:, 2].argmin()]
+        side = surface.vertices[surface.vertices[:, 0].argmax()]
+        apex[name] = low
+        if seed < 2:
+            rows = [f"{n},{','.join(map(repr, map(float, p)))}" for n, p in zip("as", (low, side))]
+            (marks / f"{name}.csv").write_text("\n".join(["name,x,y,z", *rows]) + "\n")
+    planned(where, tmp_path / "out", anchors="marks", frequency=10)
+    run_steps(tmp_path / "out")
+    model = sp.read_model(tmp_path / "out/model/model.npz")
+    assert sorted(model.landmark_names) == ["a", "s"]
+    found, shapes = records(tmp_path / "out"), stacked(tmp_path / "out")
+    assert found["s0"]["anchors"]["sha256"] and found["s2"]["anchors"] is None
+    for name, shape in zip(apex, shapes):
+        away = np.linalg.norm(shape[model.landmark_names["a"]] - apex[name])
+        assert away < (4 if found[name]["anchors"] else 12), name

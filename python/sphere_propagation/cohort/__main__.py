@@ -7,9 +7,13 @@ from __future__ import annotations
 import os
 import sys
 
-for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"  # the same sums in the same order, and one core for a job
+from sphere_propagation.cohort import steps
 
-from sphere_propagation.cohort import steps  # noqa: E402
+# The same sums in the same order, and one core for a job. NumPy reads it when it is loaded, which
+# is before this; the Snakefile sets it.
+ALONE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+if any(os.environ.get(name) != value for name, value in ALONE.items()):
+    words = [sys.executable, "-m", "sphere_propagation.cohort", *sys.argv[1:]]
+    os.execve(sys.executable, words, {**os.environ, **ALONE})
 
 sys.exit(steps.main(sys.argv[1:]))

@@ -8,7 +8,7 @@ import contextlib
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -30,8 +30,8 @@ ATLAS = Path("atlas.npz")
 @dataclass(frozen=True, eq=False)
 class Atlas:
     """model: of the frames' landmarks, without modes where there is one frame; root: the frame
-    whose map was handed on; faces: of the landmarks; anchors: the root's file of them, as text
-    and ending."""
+    whose map was handed on; faces: of the landmarks. The model's landmarks that anchors became
+    have their names."""
 
     model: ShapeModel
     root: Surface
@@ -127,11 +127,12 @@ def _of(
             {},
         )
         return Atlas(model, root, root_map, model.faces)
-    with anchor_folder(
-        {one.name: anchors[one.name] for one in surfaces if one.name in anchors}
-    ) as (folder):
+    marked = [k for k, one in enumerate(surfaces) if one.name in anchors]
+    root = max(marked, key=lambda k: abs(surfaces[k].volume)) if marked else None
+    with anchor_folder({surfaces[k].name: anchors[surfaces[k].name] for k in marked}) as folder:
         result = correspond(
             surfaces,
+            root=root,
             order="Similarity tree",
             frequency=frequency,
             initial_map=parameters["initial_map"],
@@ -139,7 +140,7 @@ def _of(
             groupwise=parameters["groupwise"],
             anchors=folder,
             anchor_sd=parameters["anchor_sd"],
-            exact=parameters["exact_anchors"],
+            anchor_snap=bool(marked),
         )
     alignment = parameters["alignment"]
     model = filters.shape_model(
@@ -148,9 +149,16 @@ def _of(
         [surface.name for surface in surfaces],
         alignment="Rigid" if alignment == "None" else alignment,
         specificity_samples=1,
+        landmark_names=_names(result.anchors),
     )
     root = result.surfaces[result.root]
     return Atlas(model, root, result.maps[result.root], np.asarray(model.faces, np.int32))
+
+
+def _names(found: Optional[filters.AnchorFit]) -> Dict[str, int]:
+    if found is None or found.landmarks is None:
+        return {}
+    return {name: int(landmark) for name, landmark in zip(found.names, found.landmarks)}
 
 
 @contextlib.contextmanager
@@ -201,6 +209,7 @@ def _write(
             "parameters": plan["parameters"],
             "inputs": {path.as_posix(): store.digest(path) for path in inputs},
             "root": made.root.name,
+            "landmark_names": {name: int(j) for name, j in model.landmark_names.items()},
             "subjects": [surface.name for surface in used],
             "left_out": dict(left_out),
             "warnings": words_of(said),
@@ -222,6 +231,7 @@ def read() -> Atlas:
         {},
         None,
         float(found["noise_variance"]),
+        said["landmark_names"],
     )
     root = Surface(found["root_vertices"], found["root_faces"], said["root"])
     return Atlas(model, root, SphereMap(found["root_map"]), found["faces"])

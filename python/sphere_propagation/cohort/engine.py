@@ -18,7 +18,7 @@ import tempfile
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
+from typing import Callable, Iterator, List, NamedTuple, Optional, Sequence
 
 from ..errors import InputError, SpherePropagationError
 from .worker import DEATH_SIGNAL
@@ -145,7 +145,6 @@ def run(
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        env=_environment(),
         preexec_fn=_die_with_parent,  # noqa: PLW1509 - no thread yet
     ) as process:
         tail: List[str] = []
@@ -167,11 +166,6 @@ def run(
             f"The study is not finished: {len(set(failed)) or 'some'} job(s) failed. The same "
             f"command goes on where it ended.\n{_ends_of(output, failed, tail)}"
         )
-
-
-def _environment() -> Dict[str, str]:
-    one = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return {**os.environ, **one}
 
 
 def _die_with_parent() -> None:
@@ -198,7 +192,6 @@ def planned(output: Path, target: str) -> List[Planned]:
         capture_output=True,
         text=True,
         errors="replace",
-        env=_environment(),
         check=False,
     )
     if ended.returncode:

@@ -154,43 +154,36 @@ def subject_landmarks(
 def _map_of_frame(
     frame: Surface, name: str, made: atlas.Atlas, parameters: Mapping[str, Any], anchors
 ) -> Tuple[SphereMap, Dict[str, float]]:
-    """By the model's fit; where that makes no map, where the model has no modes, or where there
-    are anchors, by propagation from the atlas's root."""
+    """By the model's fit; where that makes no map, and where the model has no modes, by propagation
+    from the atlas's root."""
     frame = Surface(frame.vertices, frame.faces, name)
     why: List[str] = []
-    if len(made.model.modes) and not anchors:
+    if len(made.model.modes):
         try:
-            found = fit(made.model, frame, threads=1)
+            with atlas.anchor_folder({name: anchors["file"]} if anchors else {}) as folder:
+                marks = next(Path(folder).iterdir()) if folder else None
+                found = fit(
+                    made.model,
+                    frame,
+                    anchors=marks if made.model.landmark_names else None,
+                    anchor_sd=parameters["anchor_sd"],
+                    threads=1,
+                )
             if found.map is not None:
                 figures = {key: store.figure(found.figures[key]) for key in FIT_FIGURES}
                 figures["repaired_faces"] = float(found.figures["repaired_faces"])
                 return found.map, figures
         except SpherePropagationError as error:
             why.append(str(error))
-    root_file = _root_anchors(made.root.name) if anchors else None
-    of = {"atlas": root_file, name: anchors["file"]} if root_file else {}
     try:
-        with atlas.anchor_folder(of) as folder:
-            found = filters.propagate(
-                [Surface(made.root.vertices, made.root.faces, "atlas"), frame],
-                made.root_map,
-                root_layer=0,
-                order="Star",
-                anchors=folder,
-                anchor_sd=parameters["anchor_sd"],
-                exact=parameters["exact_anchors"],
-                threads=1,
-            )
+        found = filters.propagate(
+            [Surface(made.root.vertices, made.root.faces, "the atlas"), frame],
+            made.root_map,
+            root_layer=0,
+            order="Star",
+            threads=1,
+        )
     except SpherePropagationError as error:
         raise Failed(" ".join([*why, str(error)])) from error
     names = ("residual_mean", "residual_p95", "repaired_faces")
     return found.maps[1], {key: store.figure(found.figures[key][1]) for key in names}
-
-
-def _root_anchors(root: str):
-    """The file of the atlas's root, where it has anchors."""
-    for name, chunk in store.read_json(PLAN / "atlas.json")["subjects"]:
-        if name == root:
-            record = frames.record_of(frames.import_records(chunk), name)
-            return record["anchors"]["file"] if record and record["anchors"] else None
-    return None

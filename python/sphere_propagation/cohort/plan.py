@@ -33,7 +33,7 @@ IMPORT_KEYS = (
 )
 ATLAS_KEYS = ("root_phase", "groupwise", "initial_map", "area_weight", "frequency", "alignment")
 LANDMARK_KEYS = ("root_phase", "order", "area_restoration", "frequency")
-ANCHOR_KEYS = ("anchor_sd", "exact_anchors")
+ANCHOR_KEYS = ("anchor_sd",)
 MODEL_KEYS = ("alignment", "modes", "cycle_phases", "systole", "order", "unit")
 YES = ("1", "x", "y", "yes", "true", "exclude")
 

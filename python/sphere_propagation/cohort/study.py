@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
+from ..correspondence import SNAP_FREQUENCY
 from ..errors import InputError
 from ..parameters import DEFAULTS, NAMED, in_full, whole_numbers
 from ..units import DEFAULT_UNIT, unit_named
@@ -46,7 +47,6 @@ class Study:
     frequency: int = 10
     anchors: str = ""
     anchor_sd: float = 0.0
-    exact_anchors: bool = False
     # the models
     alignment: str = NAMED["alignment"][0]
     modes: int = 100
@@ -161,7 +161,6 @@ CHECKS: Dict[str, Check] = {
     "frequency": _number(1, 100, whole=True),
     "anchors": _text,
     "anchor_sd": _number(0),
-    "exact_anchors": _flag,
     "alignment": _choice(*NAMED["alignment"]),
     "modes": _number(1, 1000, whole=True),
     "cycle_phases": _number(2, 200, whole=True),
@@ -184,7 +183,10 @@ def checked(given: Mapping[str, Any]) -> Study:
                 + f" Keys that there are: {', '.join(known)}."
             )
     defaults = Study().as_dict()
-    return Study(**{key: CHECKS[key](key, given.get(key, defaults[key])) for key in known})
+    made = Study(**{key: CHECKS[key](key, given.get(key, defaults[key])) for key in known})
+    if made.anchors and made.frequency % SNAP_FREQUENCY:
+        raise _wrong("frequency", f"a multiple of {SNAP_FREQUENCY}, for anchors", made.frequency)
+    return made
 
 
 def _nearest(key: str, known: List[str]) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 from .. import attention, filters
 from ..explorer import explore
 from ..model import ShapeModel
+from ..model_files import name_arrays
 from . import atlas, merging, quality, spatial, store
 from .landmarks import LANDMARKS
 from .plan import PLAN
@@ -160,6 +161,7 @@ def _model(plan: Mapping[str, Any]) -> ShapeModel:
             "names": np.array(names),
             "shapes": basis["count"],
             "total_variance": basis["total_variance"],
+            **name_arrays(atlas.read().model.landmark_names),
         },
     )
     share = np.cumsum(values) / (total or 1.0)

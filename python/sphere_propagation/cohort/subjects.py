@@ -17,6 +17,7 @@ from .study import Study
 TABLES = (".csv", ".tsv")
 PARTICIPANTS = "participants.tsv"  # of BIDS: columns beside participant_id are groups
 SEGMENTATION = re.compile(r"_(dseg|mask|probseg)\.", re.IGNORECASE)
+STUDY_OUTPUT = Path("plan/study.json")  # of one that lies in its input
 NAME = re.compile(r"[^\w.+-]+")
 
 
@@ -79,7 +80,10 @@ def _of_folder(folder: Path, study: Study) -> List[Subject]:
     below = [
         path
         for path in folder.iterdir()
-        if path.is_dir() and not path.name.startswith((".", "_")) and path.name != "derivatives"
+        if path.is_dir()
+        and not path.name.startswith((".", "_"))
+        and path.name != "derivatives"
+        and not (path / STUDY_OUTPUT).is_file()
     ]
     bids = [path for path in below if path.name.startswith("sub-")]
     groups = _participants(folder / PARTICIPANTS)
