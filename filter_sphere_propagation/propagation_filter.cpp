@@ -24,6 +24,7 @@
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/motion_fit.h"
 #include "vcg_ext/propagation/propagation.h"
+#include "vcg_ext/registration/rigid_alignment.h"
 #include "vcg_ext/sequence/mirroring.h"
 #include "vcg_ext/sequence/propagation_order.h"
 #include "vcg_ext/sphere/certificate.h"
@@ -133,6 +134,7 @@ class PropagationFilter : public host::Filter {
             help_.parameter("anchor_files", std::string()),
             help_.parameter("anchor_sd", AnchorParameters{}.deviation),
             help_.parameter("anchor_snap", false),
+            help_.parameter("anchor_pose", AnchorParameters{}.layPoses),
             help_.parameter("anisotropic_scaling", published.anisotropicScaling).asAdvanced(),
             help_.parameter("icp_iterations", published.icpIterations).asAdvanced(),
             help_.parameter("smoothing_sweeps", published.smoothingSweeps).asAdvanced(),
@@ -178,6 +180,7 @@ class PropagationFilter : public host::Filter {
     logNotes(task, participants, tree);
     const Propagation propagated =
         propagate(sequence, rootMap, tree, parameters, part(task.progress, 0.05, 0.9));
+    if (parameters.anchors.layPoses) reportPoses(task, participants, propagated.layers);
     const Eigen::VectorXd mirrored = mirror(task, participants, mirrorPlanes);
     if (propagated.learnt)
       task.say(messages::learnt, propagated.learnt->translation, propagated.learnt->strain,
@@ -223,6 +226,7 @@ class PropagationFilter : public host::Filter {
     parameters.threads = values.integer("threads");
     parameters.anchors.use = values.choice("anchors", anchorUses);
     parameters.anchors.deviation = values.real("anchor_sd");
+    parameters.anchors.layPoses = values.flag("anchor_pose");
     requireValid(parameters);
     return parameters;
   }
@@ -280,6 +284,18 @@ class PropagationFilter : public host::Filter {
     return snapped.landmarks;
   }
 
+  /// Which layers anchors have laid onto the root. Refuses where there is none.
+  static void reportPoses(const host::Task& task, const Participants& participants,
+                          const std::vector<PropagatedLayer>& propagated) {
+    std::vector<std::string> laid, others;
+    for (size_t i = 0; i < propagated.size(); ++i)
+      if (propagated[i].parent >= 0)
+        (propagated[i].pose.byAnchors ? laid : others).push_back(participants.layers[i].label());
+    if (laid.empty()) throw host::Refusal(messages::noPoseByAnchors, minPosePoints);
+    task.say(messages::posesByAnchors, laid.size());
+    if (!others.empty()) task.sayNaming(others, messages::posesNotByAnchors, namesIn(others));
+  }
+
   /// What became of the anchors. Entries of layer i and anchor k, in the order of the names, stand
   /// at i times the number of anchors, plus k.
   static void reportAnchors(const host::Task& task, const Participants& participants,
@@ -293,7 +309,7 @@ class PropagationFilter : public host::Filter {
     const auto layers = static_cast<Eigen::Index>(propagated.size()),
                count = static_cast<Eigen::Index>(names.size());
     Eigen::VectorXd before(layers * count), after(layers * count), standardised(layers * count),
-        widening(layers);
+        widening(layers), places(3 * layers * count);
     double sumBefore = 0, sumAfter = 0;
     int compared = 0, measured = 0;
     for (Eigen::Index i = 0; i < layers; ++i) {
@@ -308,6 +324,10 @@ class PropagationFilter : public host::Filter {
       for (Eigen::Index k = 0; k < count; ++k) {
         const auto place = static_cast<size_t>(k);
         const Eigen::Index entry = i * count + k;
+        const AnchorSet& ofLayer = anchors.layers[static_cast<size_t>(i)];
+        const auto there = ofLayer.find(names[place]);
+        places.segment<3>(3 * entry) =
+            there == ofLayer.end() ? Vector3::Constant(std::nan("")) : there->second;
         before[entry] = layer.anchors.before[place];
         after[entry] = layer.anchors.after[place];
         standardised[entry] = layer.anchors.standardised[place];
@@ -331,6 +351,7 @@ class PropagationFilter : public host::Filter {
     for (size_t i = 0; i < text.size(); ++i)
       bytes[static_cast<Eigen::Index>(i)] = static_cast<unsigned char>(text[i]);
     outputs["anchor_names"] = bytes;
+    outputs["anchor_places"] = places;
     outputs["anchor_distance"] = after;
     outputs["anchor_distance_before"] = before;
     outputs["anchor_z"] = standardised;

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "filter_sphere_propagation/anchor_sources.h"
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
@@ -31,8 +32,32 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr host::Named<Alignment> alignments[]{
-    {"Similarity", Alignment::Similarity}, {"Rigid", Alignment::Rigid}, {"None", Alignment::None}};
+/// What is taken out of the shapes, and by what it is told.
+struct AlignmentChoice {
+  Alignment alignment;
+  bool byAnchors;
+};
+enum class AlignmentRule { Similarity, Rigid, None, Anchors, ScaledAnchors };
+constexpr host::Named<AlignmentRule> alignments[]{{"Similarity", AlignmentRule::Similarity},
+                                                  {"Rigid", AlignmentRule::Rigid},
+                                                  {"None", AlignmentRule::None},
+                                                  {"Anchors", AlignmentRule::Anchors},
+                                                  {"Scaled anchors", AlignmentRule::ScaledAnchors}};
+AlignmentChoice meaningOf(AlignmentRule rule) {
+  switch (rule) {
+    case AlignmentRule::Similarity:
+      return {Alignment::Similarity, false};
+    case AlignmentRule::Rigid:
+      return {Alignment::Rigid, false};
+    case AlignmentRule::None:
+      return {Alignment::None, false};
+    case AlignmentRule::Anchors:
+      return {Alignment::Rigid, true};
+    case AlignmentRule::ScaledAnchors:
+      break;
+  }
+  return {Alignment::Similarity, true};
+}
 
 enum class LidRule { Most, Any, Never };
 constexpr host::Named<LidRule> lidRules[]{
@@ -92,10 +117,47 @@ TrainingSet withoutLids(const host::Task& task, TrainingSet set,
   return left > 0 ? set.without(leave) : set;
 }
 
+struct Shapes {
+  TrainingSet set;
+  std::vector<AnchorSet> anchors;  // of each shape
+};
+
+/// Of a landmark layer: its own, those of the surface that it was made of, or in files beside
+/// either.
+AnchorSet anchorsOf(const host::Task& task, const host::Layer& layer, const host::Layer* surface) {
+  AnchorSet anchors = layer.anchors();
+  if (anchors.empty() && surface) anchors = surface->anchors();
+  if (anchors.empty() && surface) anchors = anchorsBeside(task, *surface, AnchorFrame::World);
+  if (anchors.empty()) anchors = anchorsBeside(task, layer, AnchorFrame::World);
+  return anchors;
+}
+
+std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<host::Layer>& layers) {
+  const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
+  const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
+  std::vector<AnchorSet> anchors;
+  for (size_t i = 0; i < layers.size(); ++i)
+    anchors.push_back(anchorsOf(task, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr));
+  return anchors;
+}
+
+/// By name, as alignByAnchors takes them.
+std::vector<Points> inRows(const std::vector<AnchorSet>& anchors) {
+  std::map<std::string, Eigen::Index> rows;
+  for (const AnchorSet& ofShape : anchors)
+    for (const auto& [name, place] : ofShape)
+      rows.emplace(name, static_cast<Eigen::Index>(rows.size()));
+  std::vector<Points> points(
+      anchors.size(), Points::Constant(static_cast<Eigen::Index>(rows.size()), 3, std::nan("")));
+  for (size_t i = 0; i < anchors.size(); ++i)
+    for (const auto& [name, place] : anchors[i]) points[i].row(rows[name]) = place.transpose();
+  return points;
+}
+
 /// The visible landmark layers as shapes that correspond. They are taken as points: their faces are
 /// the icosphere's, and which way these look tells a mirror image, which is named later, but no
 /// fault of a layer.
-TrainingSet trainingSet(const host::Task& task, LidRule rule) {
+Shapes shapesOf(const host::Task& task, LidRule rule, bool withAnchors) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(layers);
@@ -122,7 +184,8 @@ TrainingSet trainingSet(const host::Task& task, LidRule rule) {
   if (!mirrored.empty() && !others.empty())
     task.sayNaming(mirrored, messages::matrixMirrors, namesIn(mirrored));
   shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
-  return withoutLids(task, std::move(set), shapesWithLid, rule);
+  return {withoutLids(task, std::move(set), shapesWithLid, rule),
+          withAnchors ? anchorsOf(task, layers) : std::vector<AnchorSet>{}};
 }
 
 void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {
@@ -229,21 +292,20 @@ class ShapeModelFilter : public host::Filter {
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {
     const ModelMeasureParameters measures;
-    return {
-        help_.parameter("alignment", host::choiceOf(alignments, ProcrustesParameters{}.alignment)),
-        help_.parameter("leave_out_lids", host::choiceOf(lidRules, LidRule::Most)),
-        help_.parameter("modes", 0),
-        help_.parameter("standard_deviations", 3.0),
-        help_.parameter("mode_layers", 3),
-        help_.parameter(
-            "export_file",
-            host::Parameter::NewFile{
-                "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;"
-                "Mean and modes (*.ply);;Table of scores (*.csv)"}),
-        help_.parameter("beside_shapes", host::hasWindow()),
-        help_.parameter("area_weights", false).asAdvanced(),
-        help_.parameter("specificity_samples", measures.samples).asAdvanced(),
-        help_.parameter("seed", static_cast<int>(measures.seed)).asAdvanced()};
+    return {help_.parameter("alignment", host::choiceOf(alignments, AlignmentRule::Similarity)),
+            help_.parameter("leave_out_lids", host::choiceOf(lidRules, LidRule::Most)),
+            help_.parameter("modes", 0),
+            help_.parameter("standard_deviations", 3.0),
+            help_.parameter("mode_layers", 3),
+            help_.parameter(
+                "export_file",
+                host::Parameter::NewFile{
+                    "NumPy (*.npz);;statismo, scalismo (*.h5 *.json);;ShapeWorks (*.particles);;"
+                    "Mean and modes (*.ply);;Table of scores (*.csv)"}),
+            help_.parameter("beside_shapes", host::hasWindow()),
+            help_.parameter("area_weights", false).asAdvanced(),
+            help_.parameter("specificity_samples", measures.samples).asAdvanced(),
+            help_.parameter("seed", static_cast<int>(measures.seed)).asAdvanced()};
   }
 
   host::Outputs run(host::Task& task) const override {
@@ -260,15 +322,20 @@ class ShapeModelFilter : public host::Filter {
     requireRange("seed", seed, Range::atLeast(0));
     measureParameters.seed = static_cast<unsigned>(seed);
     ProcrustesParameters procrustes;
-    procrustes.alignment = task.values.choice("alignment", alignments);
+    const AlignmentChoice asked = meaningOf(task.values.choice("alignment", alignments));
+    procrustes.alignment = asked.alignment;
     procrustes.areaWeights = task.values.flag("area_weights");
     const LidRule lidRule = task.values.choice("leave_out_lids", lidRules);
     const std::string file = task.values.newFile("export_file");
     if (!file.empty()) requireExportable(file);
 
-    const TrainingSet given = trainingSet(task, lidRule);
+    const Shapes shapes = shapesOf(task, lidRule, asked.byAnchors);
+    const TrainingSet& given = shapes.set;
     report(task.progress, 0.1);
-    const Aligned aligned = alignShapes(given, procrustes);
+    const Aligned aligned =
+        asked.byAnchors ? alignByAnchors(given, inRows(shapes.anchors),
+                                         asked.alignment == Alignment::Similarity, procrustes)
+                        : alignShapes(given, procrustes);
     report(task.progress, 0.3);
     const Eigen::Index most = modesWanted > 0 ? modesWanted : given.shapeCount();
     const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon(), most,
@@ -282,7 +349,8 @@ class ShapeModelFilter : public host::Filter {
              counted(given.landmarkCount(), "landmark", "landmarks") +
              (procrustes.alignment == Alignment::None
                   ? std::string(", not aligned")
-                  : ", aligned in " + counted(aligned.iterations, "round", "rounds")) +
+                  : std::string(asked.byAnchors ? ", aligned by anchors in " : ", aligned in ") +
+                        counted(aligned.iterations, "round", "rounds")) +
              ": " + counted(modes, "mode", "modes"));
     nameOutliers(task, given, aligned.shapes);
     if (!aligned.converged) task.say(messages::stillMoving, aligned.iterations);

@@ -123,6 +123,11 @@ std::string_view remedyWithEntries(Fault fault) {
       return "Are their names exchanged?";
     case Fault::AnchorsNotHeld:
       return "Leave out those that lie closest together.";
+    case Fault::FewSharedAnchors:
+    case Fault::AnchorsOnOneLine:
+      return "Pick more of them on its surface (\"Load anchors\"), hide the layer, or choose "
+             "another "
+             "alignment.";
     case Fault::LandmarkCount:
       return "Remesh all surfaces with one frequency, or hide the layers that do not belong to the "
              "model.";

@@ -276,6 +276,7 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         anchor_sd=options.anchor_sd,
         exact=options.exact_anchors,
         anchor_snap=options.anchor_snap,
+        anchor_pose=options.anchor_pose,
         anchor_positions=options.anchor_positions,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
@@ -908,6 +909,12 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "where --frequency is a multiple of 10",
     )
     add(
+        "--anchor-pose",
+        action="store_true",
+        help="lay meshes for the fit where their anchors put them, three or more, whatever their "
+        "shapes say",
+    )
+    add(
         "--anchor-positions",
         metavar="FILE",
         help="where the root's anchors are to lie on the sphere: a table of name, longitude, "
@@ -970,7 +977,7 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
             "alignment",
             ALIGNMENTS,
             "what is taken out of the shapes before their model is built: pose and size, pose, "
-            "nothing",
+            "nothing, or as the anchors alone tell",
             filters.ALIGNMENTS[0],
         ),
     )

@@ -92,6 +92,7 @@ def correspond(
     anchor_sd: float = DEFAULTS.anchor_sd,
     exact: bool = DEFAULTS.exact,
     anchor_snap: bool = DEFAULTS.anchor_snap,
+    anchor_pose: bool = DEFAULTS.anchor_pose,
     anchor_positions: AnchorPositions = DEFAULTS.anchor_positions,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
@@ -106,7 +107,8 @@ def correspond(
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
     groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
     as optimise_groupwise does; for shapes in no order.
-    anchors, anchor_sd, exact, anchor_snap: points that must correspond, as of propagate.
+    anchors, anchor_sd, exact, anchor_snap, anchor_pose: points that must correspond, as of
+    propagate.
     anchor_positions: where the root's anchors are to lie on the sphere, as of parameterise_root.
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
@@ -128,6 +130,7 @@ def correspond(
         anchor_sd=anchor_sd,
         exact=exact,
         anchor_snap=anchor_snap,
+        anchor_pose=anchor_pose,
         anchor_positions=anchor_positions,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
@@ -193,6 +196,7 @@ def _correspond(
         anchor_sd=parameters.anchor_sd,
         exact=parameters.exact,
         anchor_snap=parameters.anchor_snap,
+        anchor_pose=parameters.anchor_pose,
     )
     surfaces = propagation.surfaces
     figures = dict(propagation.figures)
@@ -290,7 +294,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = in_full(name, getattr(parameters, name))
         require_choice(name, value, NAMED[name])
         parameters = replace(parameters, **{name: value})
-    for name in ("groupwise", "exact", "anchor_snap"):
+    for name in ("groupwise", "exact", "anchor_snap", "anchor_pose"):
         if not isinstance(getattr(parameters, name), (bool, np.bool_)):
             raise InputError(f"{name} must be True or False, not {getattr(parameters, name)!r}.")
     for name in ("area_weight", "area_restoration"):

@@ -115,6 +115,14 @@ FOR_ARRAYS = {
         "Leave the shape out, points[np.isfinite(points).all(axis=(1, 2))], or make its landmarks "
         "again.",
     ),
+    "FewSharedAnchors": (
+        "Pick more of them",
+        "Give more of them, leave the shape out, or choose another alignment.",
+    ),
+    "AnchorsOnOneLine": (
+        "Pick more of them",
+        "Give more of them, leave the shape out, or choose another alignment.",
+    ),
     "LandmarksInOnePlace": (
         "Hide the layer, or remesh",
         "Leave the shape out, or make its landmarks again.",

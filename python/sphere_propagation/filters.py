@@ -48,6 +48,7 @@ IMPORT = plugin.VOLUME_FILTER
 
 PATTERNS = NAMED["pattern"]
 ALIGNMENTS = NAMED["alignment"]
+ALIGNMENTS_BY_ANCHORS = ("Anchors", "Scaled anchors")
 PARTS = NAMED["part"]
 COORDINATES = NAMED["coordinates"]
 HANDLE_REPAIRS = NAMED["handle_repair"]
@@ -100,6 +101,14 @@ class AnchorFit:
     z: np.ndarray
     widening: np.ndarray
     landmarks: Optional[np.ndarray] = None
+    places: Optional[np.ndarray] = None  # (surfaces, anchors, 3), where they lie
+
+    def of_surfaces(self) -> List[Dict[str, np.ndarray]]:
+        """Per surface its anchors, name -> (x, y, z); reflected where the surface was."""
+        return [
+            {name: p for name, p in zip(self.names, row) if np.isfinite(p).all()}
+            for row in ([] if self.places is None else self.places)
+        ]
 
     def __repr__(self) -> str:
         return f"AnchorFit({', '.join(self.names)}; {np.nanmean(self.distance):.3g} off on average)"
@@ -376,6 +385,7 @@ def propagate(
     anchor_sd: float = DEFAULTS.anchor_sd,
     exact: bool = DEFAULTS.exact,
     anchor_snap: bool = DEFAULTS.anchor_snap,
+    anchor_pose: bool = DEFAULTS.anchor_pose,
     anisotropic_scaling: bool = True,
     icp_iterations: int = 30,
     smoothing_sweeps: int = 50,
@@ -400,6 +410,8 @@ def propagate(
     anchor_sd: how far each may be off in each coordinate, as a standard deviation; 0: the surface's
     mean edge length. exact: whether every map has them in exactly the root's places. anchor_snap:
     whether the root's map is first moved until its anchors are landmarks of frequency 10.
+    anchor_pose: whether surfaces are laid for the fit where their anchors come closest to the
+    root's, three or more, whatever their shapes say.
     anisotropic_scaling, icp_iterations, smoothing_sweeps: of the paper's steps; As published only.
     threads: how many work, 0 for as many as the machine runs at once; the result is the same with
     any number.
@@ -426,6 +438,7 @@ def propagate(
         anchor_files=folder,
         anchor_sd=real_number("anchor_sd", anchor_sd),
         anchor_snap=anchor_snap,
+        anchor_pose=anchor_pose,
         root_layer=root_layer,
         method=method,
         order=order,
@@ -454,10 +467,11 @@ def propagate(
         }
         widening = figures.pop("prior_widening")
         names = bytes(map(int, figures.pop("anchor_names"))).decode().split("\n")
+        places = figures.pop("anchor_places").reshape(len(surfaces), len(names), 3)
         landmarks = figures.pop("anchor_landmark", None)
         if landmarks is not None:
             landmarks = landmarks.astype(int)
-        fit = AnchorFit(names, **by_anchor, widening=widening, landmarks=landmarks)
+        fit = AnchorFit(names, **by_anchor, widening=widening, landmarks=landmarks, places=places)
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
         replace(layers.surface_of(meshes.mesh(i), surface.name), space=surface.space)
@@ -524,7 +538,7 @@ def optimise_groupwise(
     """The maps of shapes in no order, moved until one model of shape explains all of them together.
 
     surfaces, maps: two or more, with maps that correspond roughly, as propagate gives them.
-    alignment: what is taken out of the shapes before they are compared, one of ALIGNMENTS.
+    alignment: what is taken out of the shapes before they are compared: Rigid, Similarity or None.
     iterations: how often the model is learnt and the maps moved.
     surface_precision: how much the surfaces count against the prior; 0: the recommended one.
     objective: Population model, or Description length for comparison.
@@ -615,6 +629,7 @@ def shape_model(
     specificity_samples: int = 1000,
     seed: int = 0,
     landmark_names: Optional[Mapping[str, int]] = None,
+    anchors: Union[None, AnchorFit, Sequence[Optional[Mapping[str, Sequence[float]]]]] = None,
 ) -> ShapeModel:
     """Mean, modes and scores of landmarks that correspond, and how good a model they make:
     `shape_model(*remesh(...)[:2])`.
@@ -625,19 +640,32 @@ def shape_model(
     are made up. leave_out_lids: which of these the model leaves out, one of LID_RULES; its `lid`
     says which it did.
     alignment: what is taken out of the shapes first, one of ALIGNMENTS: pose and size, pose,
-    nothing. modes: how many are kept, 0 for all.
+    nothing; Anchors: pose, and Scaled anchors: both, as `anchors` alone tell them. modes: how
+    many are kept, 0 for all.
     export_file: where the model is written to as well; the ending chooses the format: .npz (NumPy),
     .h5 and .json (statismo, scalismo), .particles (ShapeWorks), .ply, .csv (the scores).
     area_weights: whether landmarks weigh in the alignment as the area around them.
     specificity_samples, seed: of the random shapes that the specificity is measured with.
     landmark_names: {name: landmark} of those that have one, so that anchors of these names are
     fitted to the model (`fit`); in .npz files, too.
+    anchors: for the alignment by them: those of Correspondence or Propagation, or one dictionary
+    (name -> x, y, z) or None per shape. Each shape needs three that others have, too.
 
     Identical shapes make a model without modes.
     """
     surfaces = _landmark_meshes(points, faces, names, lid)
     named = model_files.checked_names(landmark_names, len(surfaces[0].vertices))
-    meshes = layers.mesh_set(surfaces)
+    if isinstance(anchors, AnchorFit):
+        anchors = anchors.of_surfaces()
+    if isinstance(anchors, (str, Path)):
+        raise InputError(
+            "anchors of a shape model must be those of a result, or dictionaries, not a path."
+        )
+    by_anchors = in_full("alignment", alignment) in ALIGNMENTS_BY_ANCHORS
+    if by_anchors and anchors is None:
+        raise InputError(f"alignment: {alignment!r} needs anchors.")
+    places = anchors_of(anchors, len(surfaces))[0] if by_anchors else None
+    meshes = layers.mesh_set(surfaces, anchors=places)
     returned = layers.apply(
         meshes,
         MODEL,

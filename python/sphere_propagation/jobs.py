@@ -90,6 +90,8 @@ def run_meshes(
     if choices.preparation is not None and all(map(files.is_label_volume, paths)):
         raise InputError("There is no mesh among the files, which could be prepared.")
     _require_one_kind(paths, choices)
+    if choices.alignment in filters.ALIGNMENTS_BY_ANCHORS and choices.parameters.anchors is None:
+        raise InputError(f"alignment: {choices.alignment!r} needs anchors.")
     ResultFolder(folder).require_folder()
     home = Path(folder).resolve()
     for path in paths:
@@ -462,6 +464,7 @@ def _build_model(
                 alignment=choices.alignment,
                 export_file=str(path),
                 landmark_names=_named(result.anchors),
+                anchors=result.anchors,
                 **more,
             )
         )

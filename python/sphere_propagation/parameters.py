@@ -32,7 +32,7 @@ NAMED = {
     "initial_map": INITIAL_MAPS,
     "method": METHODS,
     "order": ORDERS,
-    "alignment": ("Similarity", "Rigid", "None"),
+    "alignment": ("Similarity", "Rigid", "None", "Anchors", "Scaled anchors"),
     "objective": ("Population model", "Description length"),
     "pattern": ("Checkerboard", "Latitude and longitude", "Direction", "Area ratio"),
     "part": ("Cavity", "Wall"),
@@ -60,6 +60,7 @@ AnchorPositions = Union[None, str, Path, Mapping[str, Sequence[float]]]
 FLAGS = (
     "align_slices",
     "all_visible",
+    "anchor_pose",
     "anchor_snap",
     "anisotropic_scaling",
     "area_weights",
@@ -102,6 +103,7 @@ class CorrespondenceParameters:
     anchor_sd: float = 0.0
     exact: bool = False
     anchor_snap: bool = False
+    anchor_pose: bool = False
     anchor_positions: AnchorPositions = None
 
 

@@ -8,6 +8,7 @@
 
 #include "tests/core/test_shapes.h"
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/base/rotation.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/shape_model.h"
 
@@ -209,6 +210,116 @@ TEST(AlignShapes, NamesAShapeWithoutSize) {
     EXPECT_NE(std::string(error.what()).find("\"shape 2\""), std::string::npos) << error.what();
   }
   EXPECT_NO_THROW(alignShapes(set, with(Alignment::Rigid)));
+}
+
+/// Points of a shape that are no landmarks, one for each of four corners.
+Points anchorsOf(const Points& shape) {
+  const Eigen::RowVector3d middle = shape.colwise().mean();
+  Points anchors(4, 3);
+  for (Eigen::Index k = 0; k < 4; ++k)
+    anchors.row(k) = 0.5 * (middle + shape.row(3 * k + 1)) + 0.1 * shape.row(k);
+  return anchors;
+}
+
+const double missing = std::nan("");
+
+Fault refusalOf(const std::vector<Points>& shapes, const std::vector<Points>& anchors,
+                std::string& name, long& count) {
+  try {
+    alignByAnchors(test::trainingSet(shapes, test::ellipsoidFaces()), anchors, false);
+  } catch (const ParameterError& error) {
+    name = error.finding().name;
+    count = error.finding().count;
+    return error.finding().fault;
+  }
+  return Fault::Text;
+}
+
+TEST(AlignByAnchors, RecoversKnownMotionsExactly) {
+  const Points shape = test::ellipsoids(1, 1).front();
+  const Points anchors = anchorsOf(shape);
+  for (const bool scaled : {false, true}) {
+    std::vector<Points> shapes, theirs;
+    for (unsigned k = 0; k < 4; ++k) {
+      const double scale = scaled ? 0.5 + k : 1;
+      const Vector3 shift(10.0 * k, -3, 7);
+      shapes.push_back(test::moved(shape, test::randomRotation(k), scale, shift));
+      theirs.push_back(test::moved(anchors, test::randomRotation(k), scale, shift));
+    }
+    // Of the last two shapes one has the anchors 0, 1, 2 alone and the other 1, 2, 3.
+    theirs[2].row(3).setConstant(missing);
+    theirs[3].row(0).setConstant(missing);
+    const Aligned aligned =
+        alignByAnchors(test::trainingSet(shapes, test::ellipsoidFaces()), theirs, scaled);
+    EXPECT_TRUE(aligned.converged);
+    for (const auto& [name, landmarks] : aligned.shapes.shapes())
+      EXPECT_LT(largestDifference(landmarks, aligned.mean), 1e-11) << name;
+    if (!scaled) EXPECT_LT(largestDifference(aligned.mean, shapes.front()), 1e-11);
+    if (scaled) EXPECT_NEAR(size(aligned.mean), 2 * size(shape), 1e-9);  // of .5, 1.5, 2.5, 3.5
+  }
+}
+
+TEST(AlignByAnchors, LandmarksDoNotCount) {
+  // Shapes that differ, with anchors that do not: each is moved by its anchors, none of it is lost.
+  const std::vector<Points> shapes = test::ellipsoids(3, 5);
+  const Points anchors = anchorsOf(shapes.front());
+  std::vector<Points> moved, theirs;
+  for (unsigned k = 0; k < 3; ++k) {
+    const Vector3 shift(-5.0 * k, 2, 11);
+    moved.push_back(test::moved(shapes[k], test::randomRotation(k + 7), 1, shift));
+    theirs.push_back(test::moved(anchors, test::randomRotation(k + 7), 1, shift));
+  }
+  const Aligned aligned =
+      alignByAnchors(test::trainingSet(moved, test::ellipsoidFaces()), theirs, false);
+  const Eigen::Matrix3d turn = test::randomRotation(7);
+  for (size_t k = 0; k < 3; ++k)
+    EXPECT_LT(largestDifference(aligned.shapes.shapes()[k].landmarks,
+                                test::moved(shapes[k], turn, 1, Vector3(0, 2, 11))),
+              1e-11);
+}
+
+TEST(AlignByAnchors, ByTheMeanOfWhatIsThere) {
+  // By hand: a square of anchors, the last of which lies 4 off on one shape of two. About its
+  // centroid neither is turned, so the shapes are one apart, as the centroids are.
+  const std::vector<Points> shapes(2, test::ellipsoids(1, 1).front());
+  Points square(4, 3);
+  square << 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0;
+  Points other = square;
+  other(3, 2) = 4;
+  std::vector<Points> anchors{square, other};
+  // The fit to both centroids: 0 and (0, 0, 1).
+  const Aligned aligned =
+      alignByAnchors(test::trainingSet(shapes, test::ellipsoidFaces()), anchors, false);
+  EXPECT_LT(largestDifference(aligned.shapes.shapes()[0].landmarks, shapes[0]), 1e-12);
+  const Eigen::Matrix3d correlation =
+      square.transpose() * (other.rowwise() - Eigen::RowVector3d(0, 0, 1));
+  const Points turned =
+      (shapes[1].rowwise() - Eigen::RowVector3d(0, 0, 1)) * bestRotation(correlation).transpose();
+  EXPECT_LT(largestDifference(aligned.shapes.shapes()[1].landmarks, turned), 1e-9);
+}
+
+TEST(AlignByAnchors, NamesTheShapeWhosePoseStaysOpen) {
+  const std::vector<Points> shapes = test::ellipsoids(3, 2);
+  const Points anchors = anchorsOf(shapes.front());
+  std::vector<Points> theirs(3, anchors);
+  std::string name;
+  long count = 0;
+  theirs[1].row(0).setConstant(missing);
+  theirs[1].row(2).setConstant(missing);
+  EXPECT_EQ(refusalOf(shapes, theirs, name, count), Fault::FewSharedAnchors);
+  EXPECT_EQ(name, "shape 1");
+  EXPECT_EQ(count, 2);
+  theirs.assign(3, anchors);
+  for (Eigen::Index k = 0; k < 4; ++k)
+    theirs[2].row(k) =
+        Eigen::RowVector3d(1, 2, 3) + static_cast<double>(k) * Eigen::RowVector3d(3, 1, 1);
+  EXPECT_EQ(refusalOf(shapes, theirs, name, count), Fault::AnchorsOnOneLine);
+  EXPECT_EQ(name, "shape 2");
+  theirs.assign(3, Points::Constant(4, 3, missing));
+  EXPECT_EQ(refusalOf(shapes, theirs, name, count), Fault::FewSharedAnchors);
+  EXPECT_EQ(count, 0);
+  theirs.assign(3, Points(0, 3));
+  EXPECT_EQ(refusalOf(shapes, theirs, name, count), Fault::FewSharedAnchors);
 }
 
 }  // namespace

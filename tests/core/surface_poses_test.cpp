@@ -93,5 +93,46 @@ TEST(SurfacePoses, BehindALayerOfAnotherKindTheDistanceIsComparedWithTheShapeTha
   for (size_t i : {1, 2}) EXPECT_FALSE(poses[i].moved) << i;
 }
 
+/// Four vertices of a phase, which its own frame moves along; those of another phase lie elsewhere.
+Points anchorsOf(const ClosedSurface& surface) {
+  Points anchors(4, 3);
+  for (int k = 0; k < 4; ++k) anchors.row(k) = surface.vertices().row(100 * k + 7);
+  return anchors;
+}
+
+TEST(SurfacePoses, AnchorsLayASurfaceWhereShapesSayNothing) {
+  // The root itself, turned half round: by its shape it would be found, by anchors it lies where
+  // these say, which is exactly the motion.
+  const std::vector<ClosedSurface> surfaces{surfaceOf(phaseOf(0)), movedPhase(0),
+                                            surfaceOf(phaseOf(0)), surfaceOf(phaseOf(2))};
+  std::vector<Points> anchors;
+  for (const ClosedSurface& surface : surfaces) anchors.push_back(anchorsOf(surface));
+  const Points moved = RigidMotion{turn, shift}.applyTo(anchors[2]);
+  anchors[2] = moved;                               // as if it slid: it does not lie there
+  anchors[3].topRows(2).setConstant(std::nan(""));  // two are too few
+  anchors[1].row(1).setConstant(std::nan(""));      // three are enough
+  const std::vector<SurfacePose> poses = posesByAnchors(surfaces, 0, anchors);
+  EXPECT_FALSE(poses[0].byAnchors);
+  EXPECT_FALSE(poses[3].byAnchors);
+  for (const size_t i : {1, 2}) {
+    EXPECT_TRUE(poses[i].byAnchors);
+    EXPECT_FALSE(poses[i].moved);
+    EXPECT_LT((poses[i].toRoot.rotation - turn.transpose()).norm(), 1e-12);
+    EXPECT_LT((poses[i].toRoot.translation + turn.transpose() * shift).norm(), 1e-10);
+    EXPECT_NEAR(poses[i].angle, 1.1 * 180 / pi, 1e-9);
+  }
+  // What anchors say stays, and the others are found as always.
+  const std::vector<SurfacePose> found = findSurfacePoses(surfaces, star(4, 0), pool, poses);
+  EXPECT_EQ(found[2].toRoot.translation, poses[2].toRoot.translation);
+  EXPECT_TRUE(found[3].toRoot.isIdentity());
+}
+
+TEST(SurfacePoses, AnchorsOnALineLeaveThePoseOpen) {
+  const std::vector<ClosedSurface> surfaces{surfaceOf(phaseOf(0)), movedPhase(0)};
+  Points line(4, 3);
+  for (int k = 0; k < 4; ++k) line.row(k) = Eigen::RowVector3d(k, 2 * k, 5 - k);
+  EXPECT_FALSE(posesByAnchors(surfaces, 0, {line, line})[1].byAnchors);
+}
+
 }  // namespace
 }  // namespace sphere_propagation

@@ -9,6 +9,7 @@ import pymeshlab
 import pytest
 from documents import (
     LOAD,
+    MODEL,
     PROPAGATE,
     REMESH,
     ROOT,
@@ -325,3 +326,108 @@ def test_anchors_that_are_moved_far_hold_and_the_maps_stay_valid(tmp_path, monke
         ms.save_current_mesh(str(files[-1]))
     flips, worst, growth, _ = exact_anchors.hold(files, "Time", way, 0.1, 0)
     assert flips == 0 and worst < 1e-11 and growth < 8
+
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+SHIFT = np.array([70.0, -20.0, 40.0])
+
+
+def carry(mesh, points):
+    for name, place in points.items():
+        mesh.add_vertex_custom_point_attribute(
+            np.tile(place, (mesh.vertex_number(), 1)), f"anchor_{name}"
+        )
+
+
+def extremes(mesh):
+    v = mesh.vertex_matrix()
+    return dict(zip("abc", (v[v[:, k].argmin()] for k in (0, 1, 2))))
+
+
+def moved(place):
+    return TURN @ place + SHIFT
+
+
+def moved_cycle(which, anchors=lambda i, points: points):
+    """Phases of which one lies elsewhere, with anchors on all of them. anchors: of a phase, given
+    its extremes."""
+    ms, made = cycle(4), pymeshlab.MeshSet()
+    for i, mesh in enumerate(ms):
+        v, points = mesh.vertex_matrix(), anchors(i, extremes(mesh))
+        if i == which:
+            v, points = v @ TURN.T + SHIFT, {name: moved(p) for name, p in points.items()}
+        add(made, v, mesh.face_matrix(), f"phase {i}")
+        carry(made.mesh(i), points)
+    made.set_current_mesh(0)
+    made.apply_filter(ROOT)
+    return made
+
+
+@pytest.mark.parametrize("method", ["Robust", "As published"])
+def test_anchors_lay_a_layer_that_lies_elsewhere(method):
+    ms = moved_cycle(2)
+    there = ms.mesh(2).vertex_matrix()
+    returned = ms.apply_filter(PROPAGATE, method=method, anchor_pose=True)
+    assert [r["message"] for r in remarks(returned)] == [] and returned["flipped_faces"].sum() == 0
+    assert (ms.mesh(2).vertex_matrix() == there).all()  # laid for the fit alone
+    places_of = returned["anchor_places"].reshape(4, 3, 3)
+    assert np.allclose(places_of[2], [anchor(ms.mesh(2), k) for k in "abc"], atol=1e-9)
+    still = moved_cycle(None)
+    still.apply_filter(PROPAGATE, method=method, anchor_pose=True)
+    assert np.allclose(positions(ms.mesh(2)), positions(still.mesh(2)), atol=1e-6)
+
+
+def test_a_pose_by_anchors_takes_three():
+    def two(i, points):
+        return points if i == 0 else {k: points[k] for k in "ab"}
+
+    ms = moved_cycle(2, two)
+    with refused(ms, "takes 3 anchors of the root"):
+        ms.apply_filter(PROPAGATE, anchor_pose=True)
+    with refused(ms, "takes 3 anchors of the root"):
+        ms.apply_filter(PROPAGATE, anchors="Off", anchor_pose=True)
+    ms = moved_cycle(2, lambda i, points: points if i < 2 else two(i, points))
+    said = remarks(ms.apply_filter(PROPAGATE, anchor_pose=True))
+    assert sorted({r["message"] for r in said}) == ["anotherPose", "posesNotByAnchors"]
+
+
+def with_landmarks(ms):
+    ms.apply_filter(PROPAGATE)
+    ms.apply_filter(REMESH, frequency=4)
+    return ms, np.stack([ms.mesh(4 + i).vertex_matrix() for i in range(4)])
+
+
+def test_a_model_is_aligned_by_anchors_alone():
+    # On the surfaces that the landmarks were made of: of identical anchors the third shape's motion
+    # is undone, whatever the landmarks say.
+    start = cycle(1)
+    first = extremes(start.mesh(0))
+    ms, points = with_landmarks(moved_cycle(2, lambda i, own: first))
+    returned = ms.apply_filter(MODEL, alignment="Anchors", mode_layers=0)
+    points[2] = (points[2] - SHIFT) @ TURN
+    assert np.allclose(returned["mean"].reshape(-1, 3), points.mean(0), atol=1e-9)
+    # A landmark layer's own come first: with size, of a shape twice as large.
+    for i in range(4):
+        own = {k: moved(p) if i == 2 else (1 + (i == 1)) * p for k, p in first.items()}
+        carry(ms.mesh(4 + i), own)
+    returned = ms.apply_filter(MODEL, alignment="Scaled anchors", mode_layers=0)
+    points[1] /= 2
+    mean, found = points.mean(0), returned["mean"].reshape(-1, 3)
+    mean, found = mean - mean.mean(0), found - found.mean(0)
+    assert np.allclose(found / np.linalg.norm(found), mean / np.linalg.norm(mean), atol=1e-9)
+
+
+def test_a_shape_that_anchors_cannot_align_is_named():
+    ms, _ = with_landmarks(
+        moved_cycle(2, lambda i, own: {k: own[k] for k in "ab"} if i == 3 else own)
+    )
+    with refused(ms, 'Shape "phase 3 landmarks" cannot be aligned by anchors: it shares 2'):
+        ms.apply_filter(MODEL, alignment="Anchors")
+
+    def on_a_line(i, own):
+        line = {k: own["a"] + n * np.array([1.0, 2.0, 3.0]) for n, k in enumerate("abc")}
+        return line if i == 3 else own
+
+    ms, _ = with_landmarks(moved_cycle(2, on_a_line))
+    with refused(ms, "the 3 that it shares with the others lie on one line"):
+        ms.apply_filter(MODEL, alignment="Anchors")

@@ -67,6 +67,7 @@ PARAMETERS = {
         "anchor_files": "",
         "anchor_sd": 0.0,
         "anchor_snap": False,
+        "anchor_pose": False,
         "anisotropic_scaling": True,
         "icp_iterations": 30,
         "smoothing_sweeps": 50,
@@ -109,7 +110,7 @@ PARAMETERS = {
         "threads": 0,
     },
     MODEL: {
-        "alignment": ["Similarity", "Rigid", "None"],
+        "alignment": ["Similarity", "Rigid", "None", "Anchors", "Scaled anchors"],
         "leave_out_lids": ["Most shapes", "Any shape", "Never"],
         "modes": 0,
         "standard_deviations": 3.0,

@@ -71,6 +71,7 @@ def test_parameters_are_the_filters(function):
     found = keywords(function)
     if function is sp.shape_model:
         del found["lid"]  # marks, which layers carry themselves
+        del found["anchors"]  # the same
         del found["landmark_names"]  # which are written into the file afterwards
     if function is sp.parameterise_root:
         del found["anchors"]  # which layers carry themselves
@@ -109,7 +110,10 @@ def test_choices_are_the_filters(parameter, cycle, egg_file):
         ),
         "pattern": lambda value: sp.map_colors(cycle.surfaces[:1], cycle.maps[:1], pattern=value),
         "alignment": lambda value: sp.shape_model(
-            cycle.landmarks, cycle.landmark_faces, alignment=value
+            cycle.landmarks,
+            cycle.landmark_faces,
+            alignment=value,
+            anchors=[dict(zip("abc", shape)) for shape in cycle.landmarks],
         ),
         "coordinates": lambda value: sp.read_label_volume(egg_file, coordinates=value),
         "lid": lambda value: sp.prepare(cycle.surfaces[0], lid=value),

@@ -117,3 +117,40 @@ def test_wrong_positions_are_named(surfaces):
     given = sp.parameterise_root(surfaces[0])
     with pytest.raises(sp.InputError, match="anchor_positions"):
         sp.correspond(surfaces, root=0, root_map=given, anchor_positions={"apex": (0, 0, 1)})
+
+
+def test_anchors_align_a_shape_model(surfaces):
+    anchors = [
+        {name: s.vertices[s.vertices[:, k].argmin()] for k, name in enumerate("abc")}
+        for s in surfaces
+    ]
+    result = sp.correspond(surfaces, anchors=anchors, anchor_pose=True, root=0, frequency=4)
+    assert np.allclose(result.anchors.places[1][2], anchors[1]["c"])
+    shapes = result.landmarks, result.landmark_faces
+    model = sp.shape_model(*shapes, anchors=result.anchors, alignment="anchors")
+    as_given = sp.shape_model(*shapes, anchors=anchors, alignment="Anchors")
+    assert (model.mean == as_given.mean).all()
+    rigid = sp.shape_model(*shapes, alignment="Rigid")
+    assert model.total_variance > 1.001 * rigid.total_variance  # all landmarks are nearer
+    with pytest.raises(sp.InputError, match="needs anchors"):
+        sp.shape_model(*shapes, alignment="Anchors")
+    with pytest.raises(sp.InputError, match="not a path"):
+        sp.shape_model(*shapes, alignment="Anchors", anchors="folder")
+    with pytest.raises(sp.FilterError, match="shape 1.* shares 2"):
+        two = [anchors[0], {k: anchors[1][k] for k in "ab"}, anchors[2]]
+        sp.shape_model(*shapes, alignment="Anchors", anchors=two)
+
+
+def test_the_command_aligns_by_anchors(surfaces, tmp_path, capsys):
+    (tmp_path / "anchors").mkdir()
+    for i, surface in enumerate(surfaces):
+        files.write_ply(tmp_path / f"phase_{i}.ply", surface.vertices, surface.faces)
+        v = surface.vertices
+        rows = [f"{k},{','.join(map(str, v[v[:, k].argmin()]))}" for k in range(3)]
+        (tmp_path / f"anchors/phase_{i}.csv").write_text("\n".join(rows))
+    words = ["run", tmp_path, "-o", tmp_path / "out", "--no-pictures", "--frequency", 4]
+    by = ["--alignment", "scaled-anchors"]
+    assert command.main([str(x) for x in [*words, *by]]) == 2
+    assert "--alignment" in capsys.readouterr().err
+    by += ["--anchors", tmp_path / "anchors", "--anchor-pose"]
+    assert command.main([str(x) for x in [*words, *by]]) == 0

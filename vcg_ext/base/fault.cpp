@@ -131,6 +131,12 @@ constexpr std::array<Entry, faultCount> entries{
           "Shape \"{name}\": {count|landmark has|landmarks have} coordinates that are not finite; "
           "the first is landmark {first}"),
     FAULT(LandmarksInOnePlace, "Shape \"{name}\": all its {count} landmarks lie in one place"),
+    FAULT(FewSharedAnchors,
+          "Shape \"{name}\" cannot be aligned by anchors: it shares {count} with the others, and "
+          "three are the fewest"),
+    FAULT(AnchorsOnOneLine,
+          "Shape \"{name}\" cannot be aligned by anchors: the {count} that it shares with the "
+          "others lie on one line"),
     FAULT(NoFileEnding, NOT_WRITTEN "its name has no ending; choose one of {detail}"),
     FAULT(UnknownFileFormat,
           NOT_WRITTEN "\"{other}\" is no format that is known; choose one of {detail}"),

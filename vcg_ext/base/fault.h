@@ -77,6 +77,8 @@ enum class Fault {
   LandmarkCount,        ///< shapes of different numbers of landmarks
   NonFiniteLandmark,    ///< NaN or infinite
   LandmarksInOnePlace,  ///< no size
+  FewSharedAnchors,     ///< too few to align a shape by
+  AnchorsOnOneLine,     ///< which leave the turn about it open
   NoFileEnding,         ///< a file's name tells no format
   UnknownFileFormat,    ///< or one that is not known
   FileIsFolder,         ///< a folder is called so

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <cmath>
 
 namespace sphere_propagation {
 
@@ -12,6 +13,16 @@ Eigen::Matrix3d bestRotation(const Eigen::Matrix3d& covariance) {
   // No reflection: the direction that matters least is the one turned round.
   const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   return svd.matrixU() * Eigen::Vector3d(1, 1, handedness).asDiagonal() * svd.matrixV().transpose();
+}
+
+bool liesOnLine(const Points& points) {
+  const Points centred = points.rowwise() - points.colwise().mean();
+  Eigen::Index farthest = 0;
+  const double most = std::sqrt(centred.rowwise().squaredNorm().maxCoeff(&farthest));
+  if (most == 0) return true;
+  const Eigen::RowVector3d along = centred.row(farthest) / most;
+  const Points across = centred - (centred * along.transpose()) * along;
+  return across.rowwise().norm().maxCoeff() <= 1e-6 * most;
 }
 
 }  // namespace sphere_propagation

@@ -3,7 +3,9 @@
 
 #include "vcg_ext/model/procrustes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
@@ -70,7 +72,150 @@ Points average(const std::vector<TrainingSet::Shape>& shapes) {
   return sum / static_cast<double>(shapes.size());
 }
 
+/// Of the rows that both have.
+struct SharedPoints {
+  SharedPoints(const Points& ofShape, const Points& ofMean) {
+    std::vector<Eigen::Index> shared;
+    for (Eigen::Index k = 0; k < ofShape.rows(); ++k)
+      if (ofShape.row(k).allFinite() && ofMean.row(k).allFinite()) shared.push_back(k);
+    shape = ofShape(shared, Eigen::all);
+    mean = ofMean(shared, Eigen::all);
+  }
+  Eigen::Index count() const { return shape.rows(); }
+  bool fixPose() const {
+    return count() >= minAlignmentAnchors && !liesOnLine(shape) && !liesOnLine(mean);
+  }
+  Points shape, mean;
+};
+
+/// x -> scale rotation (x - centroid) + place.
+struct PlacedFit {
+  Fit fit;
+  RowVector place = RowVector::Zero();
+  Points of(const Points& points) const { return moved(points, fit).rowwise() + place; }
+};
+
+PlacedFit fitShared(const SharedPoints& shared, bool scaled) {
+  const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shared.count());
+  PlacedFit result;
+  result.place = centroid(shared.mean, equal);
+  result.fit = fit(shared.shape, shared.mean.rowwise() - result.place, equal, scaled);
+  return result;
+}
+
+/// The average of what there is of each anchor; NaN where there is nothing.
+Points averageOfThere(const std::vector<Points>& anchors, const std::vector<PlacedFit>& fits,
+                      const std::vector<char>& isIn) {
+  Points sum = Points::Zero(anchors.front().rows(), 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(sum.rows());
+  for (size_t i = 0; i < anchors.size(); ++i) {
+    if (!isIn[i]) continue;
+    const Points there = fits[i].of(anchors[i]);
+    for (Eigen::Index k = 0; k < sum.rows(); ++k)
+      if (anchors[i].row(k).allFinite()) sum.row(k) += there.row(k), ++count[k];
+  }
+  return (sum.array().colwise() / count.array()).matrix();
+}
+
+Points withoutMissing(const Points& points) { return SharedPoints(points, points).shape; }
+
+/// Without those that one shape alone has: they say nothing, and would keep it where it is.
+std::vector<Points> thoseOfSeveral(std::vector<Points> anchors) {
+  for (Eigen::Index k = 0; k < anchors.front().rows(); ++k) {
+    const auto there = std::count_if(anchors.begin(), anchors.end(), [k](const Points& ofShape) {
+      return ofShape.row(k).allFinite();
+    });
+    if (there > 1) continue;
+    for (Points& ofShape : anchors) ofShape.row(k).setConstant(std::nan(""));
+  }
+  return anchors;
+}
+
 }  // namespace
+
+Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& allAnchors,
+                       bool scaled, const ProcrustesParameters& parameters) {
+  requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));
+  requireRange("number of alignment iterations", parameters.iterations, Range::atLeast(1));
+  const std::vector<TrainingSet::Shape>& given = shapes.shapes();
+  if (allAnchors.size() != given.size())
+    throw ArgumentError("There are anchors of " + std::to_string(allAnchors.size()) +
+                        " shapes, but " + std::to_string(given.size()) + " shapes.");
+  for (const Points& ofShape : allAnchors)
+    if (ofShape.rows() != allAnchors.front().rows())
+      throw ArgumentError("Anchors that a shape lacks need rows of their own.");
+  if (scaled) requireSize(shapes);
+  const std::vector<Points> anchors = thoseOfSeveral(allAnchors);
+  size_t first = 0;
+  for (size_t i = 1; i < anchors.size(); ++i)
+    if (withoutMissing(anchors[i]).rows() > withoutMissing(anchors[first]).rows()) first = i;
+  std::vector<PlacedFit> fits(given.size());
+  fits[first].fit = {RowVector::Zero(), Eigen::Matrix3d::Identity(), 1};
+  std::vector<char> isIn(given.size(), 0);
+  Points mean = anchors[first];
+  isIn[first] = 1;
+
+  // Who has a pose gives a mean to those who share anchors with him.
+  for (bool joined = true; joined;) {
+    joined = false;
+    for (size_t i = 0; i < given.size(); ++i) {
+      const SharedPoints shared(anchors[i], mean);
+      if (isIn[i] || !shared.fixPose()) continue;
+      fits[i] = fitShared(shared, scaled);
+      isIn[i] = joined = true;
+    }
+    mean = averageOfThere(anchors, fits, isIn);
+  }
+  for (size_t i = 0; i < given.size(); ++i) {
+    const SharedPoints shared(anchors[i], mean);
+    if (isIn[i] && shared.fixPose()) continue;
+    throw ParameterError(Finding(shared.count() < minAlignmentAnchors ? Fault::FewSharedAnchors
+                                                                      : Fault::AnchorsOnOneLine,
+                                 given[i].name)
+                             .of(shared.count()));
+  }
+
+  const auto sizeOf = [](const Points& points) {
+    const Points there = withoutMissing(points);
+    return centroidSize(there, Eigen::VectorXd::Ones(there.rows()));
+  };
+  const double startSize = sizeOf(mean);
+  int iterations = 0;
+  bool converged = false;
+  while (!converged && iterations < parameters.iterations) {
+    for (size_t i = 0; i < given.size(); ++i)
+      fits[i] = fitShared(SharedPoints(anchors[i], mean), scaled);
+    Points next = averageOfThere(anchors, fits, isIn);
+    if (scaled) next *= startSize / sizeOf(next);
+    const double change = withoutMissing(next - mean).norm();
+    mean = std::move(next);
+    ++iterations;
+    converged = change <= parameters.tolerance * startSize;
+  }
+
+  // Into the frame of the first shape, as it lies.
+  const PlacedFit frame = fits.front();
+  std::vector<TrainingSet::Shape> result = given;
+  double sizes = 0;
+  const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shapes.landmarkCount());
+  for (size_t i = 0; i < given.size(); ++i) {
+    sizes += centroidSize(given[i].landmarks, equal);
+    result[i].landmarks =
+        ((fits[i].of(given[i].landmarks).rowwise() - frame.place) * frame.fit.rotation) /
+        frame.fit.scale;
+    result[i].landmarks.rowwise() += frame.fit.centroid;
+  }
+  if (scaled) {
+    const double unit =
+        sizes / static_cast<double>(given.size()) / centroidSize(average(result), equal);
+    const RowVector middle = centroid(result.front().landmarks, equal);
+    for (TrainingSet::Shape& shape : result)
+      shape.landmarks = (unit * (shape.landmarks.rowwise() - middle)).rowwise() + middle;
+  }
+  const Points mean0 = average(result);
+  return {TrainingSet(std::move(result), shapes.faces(), shapes.leftOut()), mean0, iterations,
+          converged};
+}
 
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters) {
   requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));

@@ -9,6 +9,9 @@
 
 namespace sphere_propagation {
 
+/// Fewer anchors leave a shape's pose open.
+constexpr int minAlignmentAnchors = 3;
+
 enum class Alignment {
   Similarity,  ///< rotation, translation and scale
   Rigid,       ///< rotation and translation
@@ -49,5 +52,20 @@ struct Aligned {
 /// Throws ParameterError when a parameter is out of range, or a shape has all its landmarks in one
 /// place (Similarity).
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters = {});
+
+/// The same by the users' own points alone, which only some shapes may have: R_i, t_i and, where
+/// `scaled`, s_i > 0 minimise
+///   sum_i sum_{k on i} |s_i R_i a_ik + t_i - m_k|^2,   m_k the average of the moved a_ik,
+/// and the landmarks follow. anchors: of each shape the same number of points, a row that is not
+/// finite where it lacks one. The frame is that of the first shape as it lies; where `scaled`, the
+/// average of the aligned landmarks has the centroid size that shapes have on average.
+///
+/// Solved by turns, as above, from the shape that has the most anchors on; the others join in as
+/// soon as three of theirs have a mean.
+///
+/// Throws ParameterError, which names the shape, where one shares fewer than three anchors with the
+/// others, or only such as lie on one line.
+Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& anchors, bool scaled,
+                       const ProcrustesParameters& parameters = {});
 
 }  // namespace sphere_propagation

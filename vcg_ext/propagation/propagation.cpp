@@ -155,8 +155,8 @@ Propagation propagate(const Sequence& sequence, const MappedSurface& root,
   for (int i = 0; i < sequence.size() && !places.empty(); ++i)
     deviations.push_back(parameters.anchors.deviation > 0 ? parameters.anchors.deviation
                                                           : sequence[i].meanEdge());
-  const PropagationTask task{sequence, root, tree,   parameters.closing,
-                             sizes,    pool, places, deviations};
+  const PropagationTask task{sequence, root,   tree,       parameters.closing,         sizes,
+                             pool,     places, deviations, parameters.anchors.layPoses};
   Propagation result =
       strategyOf(parameters)->propagate(task, part(progress, 0, restores ? propagationShare : 1));
   const std::vector<char> farther = residualsThatStandOut(sequence, result.layers);

@@ -31,6 +31,9 @@ struct AnchorParameters {
   double deviation = 0;
   /// One set per surface, or none at all. Those that the root lacks are not looked at.
   std::vector<AnchorSet> layers = {};
+  /// Whether surfaces that share three with the root are laid by them onto its (posesByAnchors),
+  /// whatever shapes say, before the steps of either method.
+  bool layPoses = false;
 };
 
 struct PropagationParameters {

@@ -26,19 +26,27 @@ std::vector<NodeAt> anchorsOf(const PropagationTask& task, size_t layer) {
 
 Propagation PublishedStrategy::propagate(const PropagationTask& task,
                                          const Progress& progress) const {
+  const std::vector<SurfacePose> poses = layByAnchors(task, task.sequence);
+  const Sequence laid = poses.empty() ? task.sequence : laidInRootsFrame(task.sequence, poses);
   Propagation result;
   result.layers = overArcs(task, progress, [&](int i, const PropagatedLayer& parent) {
     const Stopwatch watch;
-    PropagatedLayer layer{propagateAsPublished(parent.map(), task.sequence.surface(i), parameters_,
+    PropagatedLayer layer{propagateAsPublished(parent.map(), laid.surface(i), parameters_,
                                                anchorsOf(task, static_cast<size_t>(i)))};
     layer.seconds = watch.seconds();
     return layer;
   });
   result.closing = overClosingArc(task, result.layers, [&](const MappedSurface& from, int to) {
-    return propagateAsPublished(from, task.sequence.surface(to), parameters_,
+    return propagateAsPublished(from, laid.surface(to), parameters_,
                                 anchorsOf(task, static_cast<size_t>(to)))
         .map;
   });
+  // The maps are of the surfaces as they lie.
+  for (size_t i = 0; i < poses.size(); ++i) {
+    result.layers[i].pose = poses[i];
+    MappedSurface& map = result.layers[i].transferred.map;
+    map = map.of(task.sequence.surface(static_cast<int>(i)));
+  }
   return result;
 }
 

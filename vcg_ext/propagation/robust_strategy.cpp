@@ -57,7 +57,8 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   requireOneUnit(task.sequence, task.tree);
   report(progress, 0);
   const Sequence sized = inRootsSize(task.sequence, task.sizes, task.tree);
-  const std::vector<SurfacePose> poses = findSurfacePoses(sized, task.tree, task.pool);
+  const std::vector<SurfacePose> poses =
+      findSurfacePoses(sized, task.tree, task.pool, layByAnchors(task, sized));
   const Sequence laid = laidInRootsFrame(sized, poses);
   std::vector<double> deviations = task.anchorDeviations;
   for (size_t i = 0; i < deviations.size(); ++i)

@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/strategy.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
 
 namespace sphere_propagation {
+
+std::vector<SurfacePose> layByAnchors(const PropagationTask& task, const Sequence& sequence) {
+  if (!task.anchorsLayPoses || task.anchors.empty()) return {};
+  std::vector<Points> anchors;
+  for (int i = 0; i < sequence.size(); ++i) {
+    const ClosedSurface& surface = sequence.surface(i);
+    anchors.push_back(
+        Points::Constant(static_cast<Eigen::Index>(task.anchors.names.size()), 3, std::nan("")));
+    for (const size_t k : task.anchors.of(static_cast<size_t>(i)))
+      anchors.back().row(static_cast<Eigen::Index>(k)) =
+          task.anchors.points[static_cast<size_t>(i)][k]
+              .interpolate(surface.faces(), surface.vertices())
+              .transpose();
+  }
+  return posesByAnchors(sequence, task.tree.root(), anchors);
+}
 
 std::vector<PropagatedLayer> overArcs(
     const PropagationTask& task, const Progress& progress,

@@ -65,7 +65,12 @@ struct PropagationTask {
   ThreadPool& pool;
   const AnchorPlaces& anchors;                  ///< on the surfaces; empty: none
   const std::vector<double>& anchorDeviations;  ///< of each surface, in the unit of its vertices
+  bool anchorsLayPoses = false;                 ///< AnchorParameters::layPoses
 };
+
+/// posesByAnchors of the sequence, as large as the strategy has it; none where anchors are not to
+/// lay poses.
+std::vector<SurfacePose> layByAnchors(const PropagationTask& task, const Sequence& sequence);
 
 class PropagationStrategy {
  public:

@@ -39,6 +39,19 @@ RigidMotion fitRigid(const Points& from, const Points& to) {
   return motion;
 }
 
+std::optional<RigidMotion> fitRigidWhereShared(const Points& from, const Points& to) {
+  if (from.rows() != to.rows())
+    throw ArgumentError("Points that are missing need rows of their own: given are " +
+                        std::to_string(from.rows()) + " and " + std::to_string(to.rows()) + ".");
+  std::vector<Eigen::Index> shared;
+  for (Eigen::Index k = 0; k < from.rows(); ++k)
+    if (from.row(k).allFinite() && to.row(k).allFinite()) shared.push_back(k);
+  if (shared.size() < static_cast<size_t>(minPosePoints)) return std::nullopt;
+  const Points there = from(shared, Eigen::all), here = to(shared, Eigen::all);
+  if (liesOnLine(there) || liesOnLine(here)) return std::nullopt;
+  return fitRigid(there, here);
+}
+
 RigidAlignment alignRigidly(const Points& points, const VertexLocator& reference, int iterations) {
   requireRange("number of alignment iterations", iterations, Range::atLeast(0));
   if (points.rows() == 0) throw ArgumentError("There is no point to align.");

@@ -2,6 +2,8 @@
 #pragma once
 /// Rigid alignment of point clouds: step 4b of the paper.
 
+#include <optional>
+
 #include "vcg_ext/base/matrices.h"
 #include "vcg_ext/mesh/vertex_locator.h"
 
@@ -26,6 +28,14 @@ RigidMotion operator*(const RigidMotion& a, const RigidMotion& b);
 /// 1991, eq. 40, without scale). from, to: #P by 3, #P >= 1. Throws ParameterError when their sizes
 /// differ or they are empty.
 RigidMotion fitRigid(const Points& from, const Points& to);
+
+/// Fewer pairs of points leave the pose open.
+constexpr int minPosePoints = 3;
+
+/// The same by the rows that both have: a row that is not finite is a point that is missing. from,
+/// to: as many rows. Nothing where the pose stays open: fewer than minPosePoints rows, or all on
+/// one line (across it they spread by less than 1e-6 of what they do along it).
+std::optional<RigidMotion> fitRigidWhereShared(const Points& from, const Points& to);
 
 struct RigidAlignment {
   RigidMotion motion;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
 
 #include "vcg_ext/registration/shape_alignment.h"
 
@@ -52,10 +53,31 @@ FoundPose findPose(const PreparedSurface& shape, const PreparedSurface& as,
   return found;
 }
 
+void measure(SurfacePose& pose, const PreparedSurface& shape) {
+  const Vector3& centre = shape.centre();
+  pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
+  pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
+}
+
 }  // namespace
 
+std::vector<SurfacePose> posesByAnchors(const Sequence& sequence, int root,
+                                        const std::vector<Points>& anchors) {
+  std::vector<SurfacePose> poses(static_cast<size_t>(sequence.size()));
+  for (size_t i = 0; i < anchors.size(); ++i) {
+    if (i == static_cast<size_t>(root)) continue;
+    const std::optional<RigidMotion> motion =
+        fitRigidWhereShared(anchors[i], anchors[static_cast<size_t>(root)]);
+    if (!motion) continue;
+    poses[i].toRoot = *motion;
+    poses[i].byAnchors = true;
+    measure(poses[i], sequence[static_cast<int>(i)]);
+  }
+  return poses;
+}
+
 std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const PropagationTree& tree,
-                                          ThreadPool& pool) {
+                                          ThreadPool& pool, const std::vector<SurfacePose>& known) {
   sequence.prepare(pool);
   std::vector<SurfacePose> poses(static_cast<size_t>(sequence.size()));
   const std::vector<std::vector<int>> levels = tree.levels();
@@ -63,6 +85,10 @@ std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const Propag
     const int s = tree.parent[static_cast<size_t>(t)];
     const auto i = static_cast<size_t>(t);
     const PreparedSurface& shape = sequence[t];
+    if (!known.empty() && known[i].byAnchors) {
+      poses[i] = known[i];
+      return;
+    }
     // A parent that was moved lies as well as its alignment made it; an ancestor that was not may
     // tell more.
     int ancestor = s;
@@ -79,11 +105,8 @@ std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const Propag
       const FoundPose lies = poseAsItLies(shape, sequence[a], poses[up].toRoot);
       if (!mayFitFarBetter(shape, sequence[a], lies.distance)) found = lies;
     }
-    SurfacePose& pose = poses[i];
-    pose = found.pose;
-    const Vector3& centre = shape.centre();
-    pose.shift = (pose.toRoot.rotation * centre + pose.toRoot.translation - centre).norm();
-    pose.angle = Eigen::AngleAxisd(pose.toRoot.rotation).angle() * 180 / pi;
+    poses[i] = found.pose;
+    measure(poses[i], shape);
   };
   for (size_t level = 1; level < levels.size(); ++level)
     pool.forEach(static_cast<int>(levels[level].size()),

@@ -23,6 +23,7 @@ struct SurfacePose {
   bool moved = false;  ///< whether it is in another pose than its parent
   double shift = 0;    ///< of its centre by toRoot, in the unit of the vertices
   double angle = 0;    ///< of toRoot's rotation, degrees
+  bool byAnchors = false;  ///< whether anchors say so; then it is not `moved`
 };
 
 /// tree: one entry per surface of the sequence; a surface's pose is found relative to its
@@ -32,8 +33,17 @@ struct SurfacePose {
 /// neighbours or not, it makes it at most 1.4 times smaller). No pose is looked for where a
 /// difference of volumes alone rules that out. pool: who does the work, with the same result
 /// whatever the number of threads.
+/// known: of each surface, those byAnchors, which stay whatever the shapes say; or none at all.
 std::vector<SurfacePose> findSurfacePoses(const Sequence& sequence, const PropagationTree& tree,
-                                          ThreadPool& pool);
+                                          ThreadPool& pool,
+                                          const std::vector<SurfacePose>& known = {});
+
+/// A surface that shares three anchors with the root, not on one line, lies where these come
+/// closest to the root's (fitRigidWhereShared); of the others nothing is said, they stay as they
+/// lie. anchors: of each surface the same number of points, a row of NaN where it lacks one; or
+/// none at all.
+std::vector<SurfacePose> posesByAnchors(const Sequence& sequence, int root,
+                                        const std::vector<Points>& anchors);
 
 /// The sequence with every surface that lies elsewhere laid where it would lie in the root's frame.
 Sequence laidInRootsFrame(const Sequence& sequence, const std::vector<SurfacePose>& poses);
