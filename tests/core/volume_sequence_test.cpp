@@ -28,6 +28,19 @@ LabelGrid vertebra(int thin, const Vector3& at = Vector3::Zero(), double gap = 0
       {45, 51, 23});
 }
 
+/// The same, thin at an angle of the arch.
+LabelGrid vertebraThinAt(double angle, double shift) {
+  return labelsOf(
+      [=](const Vector3& world) {
+        const Vector3 x = world - Vector3(shift, 0, 0);
+        const double off = std::hypot(x[0], x[1] - 6) - 9,
+                     away = std::remainder(std::atan2(x[1] - 6, x[0]) - angle, 2 * M_PI);
+        return (std::hypot(x[0] / 11, (x[1] + 8) / 8) < 1 && std::fabs(x[2]) < 6) ||
+               (std::fabs(off) < (std::fabs(away) < 0.17 ? 1 : 2.6) && std::fabs(x[2]) < 3);
+      },
+      {45, 51, 23});
+}
+
 std::vector<VolumeSurface> together(const std::vector<LabelGrid>& phases,
                                     HandleRepair repair = HandleRepair::LessChange) {
   VolumeSurfaceParameters parameters;
@@ -63,6 +76,20 @@ TEST(VolumeSequence, CutsAndFillsAtOnePlaceInAllPhases) {
                 left = placeOf(together({vertebra(-1)})[0]);
   EXPECT_GT(right[0], 5);
   EXPECT_LT(left[0], -5);
+}
+
+TEST(VolumeSequence, CutsAtOnePlaceHoweverManyAreThinElsewhere) {
+  for (const std::vector<double>& angles :
+       {std::vector<double>{0.2, 1.6, 2.9}, {1.6, 0.2, 2.9}, {0.4, 2, 1, 2.7}, {2.5, 0.6, 1.5}}) {
+    std::vector<LabelGrid> phases;
+    for (size_t p = 0; p < angles.size(); ++p)
+      phases.push_back(vertebraThinAt(angles[p], 1.5 * static_cast<double>(p)));
+    const auto found = together(phases, HandleRepair::Cut);
+    for (size_t p = 1; p < found.size(); ++p) {
+      const Vector3 moved(1.5 * static_cast<double>(p), 0, 0);
+      EXPECT_LT((placeOf(found[p]) - moved - placeOf(found[0])).norm(), 4) << angles[0];
+    }
+  }
 }
 
 TEST(VolumeSequence, CutsWhereAPhaseIsOpenAlready) {

@@ -30,6 +30,28 @@ std::optional<Eigen::Vector3i> firstIn(const SliceStack& reference, const SliceS
   return stack.first + whole.cast<int>();
 }
 
+/// Of a phase that lies at a place: with the cut of all phases where there is one.
+HandleRemoval removalAt(const std::vector<Eigen::Vector3i>& cutOfAll, const Eigen::Vector3i& place,
+                        const Mask& mask, const std::vector<float>& depth, HandleRepair wanted,
+                        const Progress& progress) {
+  std::vector<float> cutLast = depth;
+  bool meets = false;
+  for (const Eigen::Vector3i& sample : cutOfAll) {
+    const Eigen::Vector3i x = sample - place;
+    if (x.minCoeff() < 0 || (mask.size - x).minCoeff() <= 0) continue;
+    const size_t i = mask.index(x[0], x[1], x[2]);
+    cutLast[i] -= 2 * CommonDepth::reach;  // below all others: joins the front last
+    meets = meets || mask.values[i] != 0;
+  }
+  if (!meets) return findHandleRemoval(mask, depth, wanted, progress);
+  HandleRemoval removal =
+      findHandleRemoval(mask, cutLast, HandleRepair::Cut, part(progress, 0, 0.5));
+  if (removal.canFill && wanted != HandleRepair::Cut)
+    removal.filled =
+        findHandleRemoval(mask, depth, HandleRepair::Fill, part(progress, 0.5, 1)).filled;
+  return removal;
+}
+
 }  // namespace
 
 VolumeSequence::VolumeSequence(VolumeSurfaceParameters parameters)
@@ -131,6 +153,40 @@ void VolumeSequence::alignOpenSlices(const Progress& progress) {
   keptSlices_ = 0;
 }
 
+/// Where the union of the phases on one grid is cut: samples of the common depth.
+std::vector<Eigen::Vector3i> VolumeSequence::commonCut(const std::vector<Phase*>& phases) const {
+  std::vector<const Phase*> placed;
+  for (const Phase* phase : phases)
+    if (phase->place) placed.push_back(phase);
+  if (placed.size() < 2) return {};
+  Eigen::Vector3i low = *placed[0]->place, high = low;
+  for (const Phase* phase : placed) {
+    low = low.cwiseMin(*phase->place);
+    high = high.cwiseMax(*phase->place + phase->volume->mask.size);
+  }
+  Mask all(high - low);
+  for (const Phase* phase : placed) {
+    const Mask& mask = phase->volume->mask;
+    const Eigen::Vector3i at = *phase->place - low;
+    size_t next = 0;
+    for (int k = 0; k < mask.size[2]; ++k)
+      for (int j = 0; j < mask.size[1]; ++j) {
+        std::uint8_t* here = all.values.data() + all.index(at[0], at[1] + j, at[2] + k);
+        for (int i = 0; i < mask.size[0]; ++i) here[i] |= mask.values[next++];
+      }
+  }
+  const HandleRemoval removal =
+      findHandleRemoval(all, common_.at(low, all.size), HandleRepair::Cut);
+  const auto row = static_cast<size_t>(all.size[0]), rows = static_cast<size_t>(all.size[1]);
+  std::vector<Eigen::Vector3i> samples;
+  for (const size_t i : removal.cut) {
+    samples.emplace_back(low + Eigen::Vector3i(static_cast<int>(i % row),
+                                               static_cast<int>(i / row % rows),
+                                               static_cast<int>(i / row / rows)));
+  }
+  return samples;
+}
+
 void VolumeSequence::removeOpenHandles(const Progress& progress) {
   std::vector<Phase*> open;
   for (Phase& phase : phases_)
@@ -140,16 +196,18 @@ void VolumeSequence::removeOpenHandles(const Progress& progress) {
   const auto share = [&](size_t count) {
     return static_cast<double>(count) / static_cast<double>(open.size());
   };
+  const std::vector<Eigen::Vector3i> cutOfAll =
+      wanted == HandleRepair::Fill ? std::vector<Eigen::Vector3i>{} : commonCut(open);
   for (Phase* phase : open) {
     const Stopwatch stopwatch;
     const WorkingVolume& volume = *phase->volume;
     const Progress step = part(progress, 0.7 * share(done), 0.7 * share(done + 1));
     const bool together = common_.phases() > 1 && phase->place;
     phase->volume->surface.handlesAlone = !together;
-    phase->removal =
-        together ? findHandleRemoval(volume.mask, common_.at(*phase->place, volume.mask.size),
-                                     wanted, step)
-                 : findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
+    phase->removal = together
+                         ? removalAt(cutOfAll, *phase->place, volume.mask,
+                                     common_.at(*phase->place, volume.mask.size), wanted, step)
+                         : findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
     ++done;
     phase->seconds += stopwatch.seconds();
     if (!phase->removal.canFill) continue;

@@ -21,7 +21,8 @@ namespace sphere_propagation {
 /// Where phases have handles and lie on the same grid, these are cut in all of them or filled in
 /// all of them, at the same places, for the phases' surfaces are to correspond. The places are
 /// chosen by what the phases have in common (CommonDepth, of all phases, those without handles
-/// too); LessChange is decided by the sum over the phases.
+/// too), and cuts by what that cuts in the union of those with handles: a phase that is thin
+/// elsewhere is cut there all the same. LessChange is decided by the sum over the phases.
 ///
 /// Phases with slices to be looked at or with handles are kept until all were added; where they
 /// take more than `maxKept` samples, those added so far are decided by themselves.
@@ -55,6 +56,7 @@ class VolumeSequence {
   void alignOpenSlices(const Progress& progress);
   void goOn(Phase& phase, WorkingVolume volume, const Progress& progress);
   void removeOpenHandles(const Progress& progress);
+  std::vector<Eigen::Vector3i> commonCut(const std::vector<Phase*>& phases) const;
 
   VolumeSurfaceParameters parameters_;
   CommonDepth common_;
