@@ -28,6 +28,8 @@ CONTENTS = (
     "sphere_propagation/_version.py",
     "sphere_propagation/explorer_page/page.html",
     "sphere_propagation/explorer_page/page.js",
+    "sphere_propagation/cohort/Snakefile",
+    "sphere_propagation/cohort/profiles/slurm/config.yaml",
     "_sphere_propagation_command.py",
 )
 NEWEST = {
@@ -109,7 +111,7 @@ def wheel_complaints(path):
             f"{name} does not belong into it"
             for name in names
             if not re.match(
-                r"sphere_propagation/(explorer_page/)?[\w.]+$|sphere_propagation/lib/(lib[\w.-]+\.so[\d.]*|COPYRIGHT\.[\w.-]+\.txt)$|_sphere_propagation_command\.py$|sphere_propagation-[\d.]+\.dist-info/",
+                r"sphere_propagation/((explorer_page|cohort|cohort/profiles/slurm)/)?[\w.]+$|sphere_propagation/lib/(lib[\w.-]+\.so[\d.]*|COPYRIGHT\.[\w.-]+\.txt)$|_sphere_propagation_command\.py$|sphere_propagation-[\d.]+\.dist-info/",
                 name,
             )
         ]

@@ -170,6 +170,11 @@ def test_surfaces_that_need_an_extra_name_it(environment):
     assert "vtk, which is not installed: pip install 'sphere-propagation[surfaces]'" in said
 
 
+def test_cohorts_need_an_extra_and_name_it(environment):
+    said = environment.run("sphere-propagation", "cohort", ".", "study", "group", code=1)
+    assert "pip install 'sphere-propagation[cohort]'" in said or "Python 3.11" in said
+
+
 def test_a_package_without_its_plugin_says_so(environment):
     library = next(environment.bin.parent.glob("lib/*/site-packages/" + check_wheel.PLUGIN))
     shutil.move(library, environment.folder / "elsewhere.so")

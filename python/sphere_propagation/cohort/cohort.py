@@ -16,11 +16,11 @@ from .landmarks import LANDMARKS
 from .steps import COSTS
 from .study import read_study
 
-# CPU seconds: measured on one core of a common server of 2024 (docs/cohorts.md), for surfaces of
-# 4,000 vertices; a study that has begun is reckoned by its own (costs/).
-PER_PHASE = {"import": 0.25, "landmarks": 0.2}
-PER_SUBJECT = {"import": 0.1, "landmarks": 1.2, "atlas": 1.0}
-PER_JOB = 2.5  # a Python that loads the package
+# CPU seconds, measured: landmarks of 60 hippocampi of 2,500 vertices, and label volumes of two hearts
+# of 25 and 30 phases (docs/cohorts.md); a study that has begun is reckoned by its own (costs/).
+PER_PHASE = {"import": 0.07, "landmarks": 0.17}
+PER_SUBJECT = {"import": 0.03, "landmarks": 2.4, "atlas": 0.3}
+PER_JOB = 0.8  # a Python that loads the package, and the engine's share
 LISTED = 10  # subjects
 SAMPLED = 50  # files whose phases are counted
 
