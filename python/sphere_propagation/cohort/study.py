@@ -13,6 +13,7 @@ from ..parameters import DEFAULTS, NAMED, in_full, whole_numbers
 from ..units import DEFAULT_UNIT, unit_named
 from . import quality
 
+ALIGNMENTS = ("Similarity", "Rigid", "None")  # by all landmarks
 PHASE_ORDERS = ("Time", "Cyclic time", "Star", "Similarity tree")
 LARGEST = "largest"
 EXCLUDE = "exclude.csv"  # in the output folder
@@ -48,7 +49,7 @@ class Study:
     anchors: str = ""
     anchor_sd: float = 0.0
     # the models
-    alignment: str = NAMED["alignment"][0]
+    alignment: str = ALIGNMENTS[0]
     modes: int = 100
     cycle_phases: int = 20
     systole: float = 0.35
@@ -161,7 +162,7 @@ CHECKS: Dict[str, Check] = {
     "frequency": _number(1, 100, whole=True),
     "anchors": _text,
     "anchor_sd": _number(0),
-    "alignment": _choice(*NAMED["alignment"]),
+    "alignment": _choice(*ALIGNMENTS),
     "modes": _number(1, 1000, whole=True),
     "cycle_phases": _number(2, 200, whole=True),
     "systole": _number(0.05, 0.95),
