@@ -233,6 +233,8 @@ def _cohort(options, make_progress) -> int:
 
 
 def _info(options, make_progress) -> int:
+    from .cohort import engine  # and what belongs to that command
+
     extras = {
         name: "installed"
         if find_spec(name)
@@ -241,6 +243,7 @@ def _info(options, make_progress) -> int:
             ("pictures", pictures.NEEDED),
             ("surfaces", readers.NEEDED),
             ("models", statismo.NEEDED),
+            ("cohort", engine.NEEDED[:1]),
         )
         for name in names
     }

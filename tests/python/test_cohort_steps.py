@@ -119,6 +119,10 @@ def test_every_output_says_what_it_came_from(done):
     said = json.loads(next((output / "landmarks").glob("*.json")).read_text())
     assert said["version"] == sp.__version__ and said["parameters"]["frequency"] == 4
     assert said["inputs"]["atlas.npz"] == store.digest(output / "atlas.npz")
+    of_model = json.loads((output / "model/model.json").read_text())
+    assert of_model["inputs"]["landmarks/00000.npy"] == store.digest(output / "landmarks/00000.npy")
+    with np.load(output / "moments/0/00000.npz") as found:
+        assert json.loads(str(found["said"]))["parameters"]["alignment"] == "Similarity"
     file = said["subjects"][0]["files"][0]
     assert file["sha256"] == store.digest(where / file["file"])
 
@@ -182,6 +186,15 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
         part.write_text("half")
         raise RuntimeError
     assert json.loads(path.read_text()) == [1] and list(tmp_path.iterdir()) == [path]
+
+
+def test_what_killed_writers_left_is_swept_away(tmp_path):
+    (tmp_path / "model").mkdir()
+    for name in (".a.npz.7.part", "model/.b.npy.8.part", "kept.part", ".lock"):
+        (tmp_path / name).touch()
+    store.sweep(tmp_path)
+    left = sorted(path.name for path in tmp_path.rglob("*") if path.is_file())
+    assert left == [".lock", "kept.part"]
 
 
 def test_rows_and_archives_are_numpys(tmp_path):

@@ -50,6 +50,8 @@ def run(
         return 0
     output.mkdir(parents=True, exist_ok=True)
     with engine.lock(output):
+        if not profile:  # jobs on this machine have ended with the run that started them
+            store.sweep(output)
         made = plan.write(output, study, base, found, home)
         say(
             f"{_counted(len(found), 'subject')} in {_counted(len(made['chunks']), 'chunk')}, "

@@ -74,6 +74,9 @@ def run() -> int:
             "total_variance": np.float64(total),
         },
     )
+    inputs = [PLAN / "model.json", *(Path(f"scores/{block}_cycle.npy") for block in blocks)]
+    said = {**store.origin(plan, inputs), "step": "cycle", "subjects": whole.count}
+    store.write_json(CYCLE / "model.json", said)
     lines = [",".join(["subject", *(f"mode_{m + 1}" for m in range(len(values)))])]
     place = 0
     for block in blocks:

@@ -82,13 +82,18 @@ def run_scatter(block: str) -> int:
             if sum(map(len, held)) >= AT_ONCE:
                 add()
     add()
-    moments.write(MOMENTS / "0" / f"{block}.npz", whole)
+    inputs = [PLAN / "model.json", atlas.ATLAS]
+    inputs += [LANDMARKS / f"{chunk}.npy" for chunk in blocks_of(0)[block]]
+    said = store.as_array({**store.origin(plan, inputs), "step": "scatter"})
+    moments.write(MOMENTS / "0" / f"{block}.npz", whole, said=said)
     return whole.count
 
 
 def run_merge(level: int, place: str) -> int:
     """Writes moments/LEVEL/PLACE.npz; returns how many shapes there are."""
-    below = blocks_of(level)[place]
-    whole = moments.merged(moments.read(MOMENTS / str(level - 1) / f"{one}.npz") for one in below)
-    moments.write(MOMENTS / str(level) / f"{place}.npz", whole)
+    below = [MOMENTS / str(level - 1) / f"{one}.npz" for one in blocks_of(level)[place]]
+    whole = moments.merged(moments.read(path) for path in below)
+    plan = store.read_json(PLAN / "model.json")
+    said = store.as_array({**store.origin(plan, below), "step": "merge"})
+    moments.write(MOMENTS / str(level) / f"{place}.npz", whole, said=said)
     return whole.count

@@ -40,6 +40,7 @@ def run_model() -> int:
             "modes": directions.reshape(-1, landmarks, 3),
             "eigenvalues": values,
             "total_variance": np.float64(total),
+            "said": store.as_array(store.origin(plan, [PLAN / "model.json", top])),
             "lost_variance": np.float64(whole.lost / max(1, whole.count - 1)),
         },
     )

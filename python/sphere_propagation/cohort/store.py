@@ -10,7 +10,7 @@ import os
 import zipfile
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Dict, Iterator, Mapping
+from typing import Any, Dict, Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -56,6 +56,25 @@ def write_if_changed(path: Path, content: Any) -> bool:
 
 def read_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def origin(plan: Mapping[str, Any], inputs: Iterable[Path]) -> Dict[str, Any]:
+    """What an output says of itself: its step's plan, and the digests of what it was made from."""
+    return {
+        **{key: plan[key] for key in ("step", "version", "parameters")},
+        "inputs": {path.as_posix(): digest(path) for path in inputs},
+    }
+
+
+def as_array(said: Mapping[str, Any]) -> np.ndarray:
+    """For archives: its JSON."""
+    return np.array(text_of(said))
+
+
+def sweep(folder: Path) -> None:
+    """Takes away what writers that were killed have left, where none is at work."""
+    for part in folder.rglob(".*.part"):
+        part.unlink(missing_ok=True)
 
 
 def figure(value: float) -> float:

@@ -164,6 +164,7 @@ def _model(plan: Mapping[str, Any]) -> ShapeModel:
             **name_arrays(atlas.read().model.landmark_names),
         },
     )
+    _write_origin(plan)
     share = np.cumsum(values) / (total or 1.0)
     lines = ["modes,eigenvalue,compactness,variance_share"]
     for m, value in enumerate(values):
@@ -173,6 +174,14 @@ def _model(plan: Mapping[str, Any]) -> ShapeModel:
     return ShapeModel(
         basis["mean"], basis["modes"], values, scores, faces, names, total, figures, None, noise
     )
+
+
+def _write_origin(plan: Mapping[str, Any]) -> None:
+    """model/model.json; the digests of landmarks are those that the scores were made from."""
+    said = store.origin(plan, [PLAN / "model.json", atlas.ATLAS, spatial.BASIS])
+    for block in merging.blocks_of(0):
+        said["inputs"].update(store.read_json(spatial.SCORES / f"{block}.json")["inputs"])
+    store.write_json(MODEL / "model.json", {**said, "exclude": plan["exclude"]})
 
 
 def _measures(plan: Mapping[str, Any], model: ShapeModel) -> None:
