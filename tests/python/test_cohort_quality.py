@@ -8,6 +8,7 @@ import json
 import re
 import zlib
 
+import browser
 import numpy as np
 import pytest
 from sphere_propagation.cohort import quality
@@ -329,3 +330,47 @@ def test_the_study_checks_its_quality_table():
         study_file.checked({"quality": {"treshold": 4}})
     with pytest.raises(InputError, match="a table"):
         study_file.checked({"quality": 4})
+
+
+@pytest.mark.skipif(browser.program() is None, reason="Chromium is not installed")
+def test_the_table_is_sorted_searched_and_ticked_in_a_browser(tmp_path):
+    bad = {"sub-00120": REASONS["residual 2."], "sub-00007": REASONS["volume curve"]}
+    quality.write(study(tmp_path / "study", 150, bad, exclude=["sub-00003"]))
+    window = browser.Browser(tmp_path / "profile")
+    try:
+        window.open(tmp_path / "study" / "report.html")
+
+        def names():
+            return window.run(
+                "[...document.querySelectorAll('#subjects td.words')].map(td => td.textContent)"
+            )
+
+        def click(title):
+            window.run(
+                "[...document.querySelectorAll('#subjects th')]"
+                f".find(th => th.textContent === {json.dumps(title)}).click()"
+            )
+
+        assert len(names()) == 100 and names()[:2] == list(rows(tmp_path / "study"))[:2]
+        window.run("document.getElementById('more').click()")
+        assert len(names()) == 150
+        click("residual")
+        assert names()[0] == "sub-00120"
+        click("subject")
+        assert names()[:2] == ["sub-00000", "sub-00001"]
+        click("subject")
+        assert names()[0] == "sub-00149"
+        window.run(
+            "const box = document.getElementById('search'); box.value = 'VOLUME CURVE';"
+            "box.dispatchEvent(new Event('input'))"
+        )
+        assert "sub-00007" in names() and len(names()) < 10
+        link = window.run("document.querySelector('#subjects td.words a').getAttribute('href')")
+        assert (tmp_path / "study" / link.split("#")[0]).is_file()
+        assert window.run("document.getElementById('save').disabled")
+        window.run("document.querySelector('#subjects tbody input').click()")
+        assert not window.run("document.getElementById('save').disabled")
+        assert window.complaints == []
+        assert all(not one.startswith("http") for one in window.requests)
+    finally:
+        window.close()
