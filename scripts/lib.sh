@@ -3,7 +3,7 @@
 #
 #   require_packages PACKAGE...    Debian packages: installs what is missing (root) or says how
 #   packages_for PURPOSE...        their names: build library core plugin volumes gui benchmarks python pymeshlab
-#                                  pictures browser format lint cache meshlab (2020.09, and what its GUI needs without
+#                                  pictures browser format lint cache slurm meshlab (2020.09, and what its GUI needs without
 #                                  a display)
 #   require_headers [VERSION]      sets MESHLAB_SOURCE_DIR (the caller's where there is one; default 2025.07)
 #   require_meshlab_gui            sets MESHLAB_GUI, MeshLab 2025.07's program, built from its source
@@ -70,10 +70,19 @@ packages_for() {
       meshlab)    echo meshlab xvfb xauth libgl1-mesa-dri ;;
       format)     echo clang-format ;;
       cache)      echo ccache ;;
+      slurm)      if may_have_slurm; then echo slurm-wlm munge iproute2; fi ;;
       lint)       echo clang-format clang-tidy ;;
       *)          die "packages_for: no purpose '$purpose'" ;;
     esac
   done
+}
+
+# Debian's Slurm is not put beside one that is there from elsewhere.
+may_have_slurm() {
+  local program
+  if [ -n "$(is_debian && missing_packages slurmd slurmctld)" ]; then
+    for program in slurmctld slurmd sbatch; do ! command -v "$program" >/dev/null || return 1; done
+  fi
 }
 
 has_volumes() { [ -z "$without_volumes" ] && [ -f "$project_root/filter_label_volume/CMakeLists.txt" ]; }
