@@ -197,16 +197,20 @@ def meshed(motion, t, count, random, noise=0.1):
     ), f
 
 
-def errors(motion, landmarks, closest_points):
-    """Mean distance of landmarks (one array a phase) from where the material points of phase 0
-    under them went."""
+def distances(motion, landmarks, closest_points):
+    """Which landmarks (one array a phase) are tissue; and, phase by phase, the distance of all from
+    where the material points of phase 0 under them went."""
     first, faces = motion.at(0)
     face, weights, _ = closest_points(first, faces, landmarks[0])
     counted = motion.tissue[faces[face]].all(1)
     moved = [
         np.einsum("pk,pkj->pj", weights, motion.at(t)[0][faces[face]]) for t in range(motion.phases)
     ]
-    return [
-        np.linalg.norm(found - true, axis=1)[counted].mean()
-        for found, true in zip(landmarks, moved)
-    ]
+    away = [np.linalg.norm(found - true, axis=1) for found, true in zip(landmarks, moved)]
+    return counted, away
+
+
+def errors(motion, landmarks, closest_points):
+    """Their means."""
+    counted, away = distances(motion, landmarks, closest_points)
+    return [of_phase[counted].mean() for of_phase in away]

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -15,6 +16,7 @@
 #include "benchmarks/ply.h"
 #include "benchmarks/timing.h"
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_basis.h"
 #include "vcg_ext/propagation/propagation.h"
@@ -22,6 +24,7 @@
 #include "vcg_ext/root_map/root_map.h"
 #include "vcg_ext/sequence/similarity_tree.h"
 #include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/sphere_locator.h"
 
 namespace sphere_propagation::benchmark {
 namespace {
@@ -39,12 +42,14 @@ step cost. scripts/measure-propagation runs it on whole sets of data. Options:
   --threads N       0 = all; default 0
   --repeat N        take the least of N runs, after one that is not counted
   --landmarks FILE  write the landmarks: layers x 1002 x 3 doubles
+  --uncertainty FILE   write how well each landmark is known along the surface (motion_uncertainty.h): layers x 1002
+                    doubles, not a number where nobody knows
   --root-map FILE   write the root with its map as px, py, pz
 )";
 
 struct Options {
   PropagationParameters parameters;
-  std::string order = "cyclic", landmarks, rootMap;
+  std::string order = "cyclic", landmarks, rootMap, uncertainty;
   int root = 0, repeat = 1;
   bool kernels = false;
   std::vector<std::string> files;
@@ -78,6 +83,9 @@ Options optionsOf(const std::vector<std::string>& arguments) {
       options.repeat = std::stoi(value());
     } else if (word == "--landmarks") {
       options.landmarks = value();
+    } else if (word == "--uncertainty") {
+      options.uncertainty = value();
+      options.parameters.motion.uncertainty = true;
     } else if (word == "--root-map") {
       options.rootMap = value();
     } else if (word.rfind("--", 0) == 0) {
@@ -214,6 +222,23 @@ void run(const Options& options) {
 
   if (!options.rootMap.empty())
     writePly(options.rootMap, {root.vertices(), root.faces(), rootMap.front().map.positions()});
+  if (!options.uncertainty.empty()) {
+    std::ofstream file(options.uncertainty, std::ios::binary);
+    for (const PropagatedLayer& layer : made.layers) {
+      const SphereLocator under(layer.map());
+      const Points directions = icosphere(10).vertices;
+      for (Eigen::Index i = 0; i < directions.rows(); ++i) {
+        double known = std::nan("");
+        if (layer.uncertainty.size() > 0) {
+          const SurfacePoint point = under.locate(directions.row(i).transpose());
+          known = 0;
+          for (int k = 0; k < 3; ++k)
+            known += point.weights[k] * layer.uncertainty[layer.map().faces()(point.face, k)];
+        }
+        file.write(reinterpret_cast<const char*>(&known), sizeof known);
+      }
+    }
+  }
   if (options.landmarks.empty()) return;
   std::ofstream file(options.landmarks, std::ios::binary);
   for (const Remeshed& layer : remeshed)

@@ -15,7 +15,7 @@ Table 1 run again.
             landmarks_TT.ply; run in the first table
     PART    of: sequences, paper, disturbed, orders (shuffled phases and a star, the motion's prior
             learnt or fixed), other (phantoms of another make and other organs: made_motions.py;
-            data/classic, data/finch_skulls)
+            data/classic, data/finch_skulls), uncertainty (is it right?)
 
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
 cyclic order. Beside the methods stands what no model is needed for, the closest-point walk: from
@@ -44,11 +44,21 @@ PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
 METHODS = {"published": "As published", "robust": "Robust"}
 
 
-def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False, more=()):
+def run(
+    options,
+    files,
+    method="robust",
+    repeat=3,
+    root_map=None,
+    may_fail=False,
+    more=(),
+    with_uncertainty=False,
+):
     """What propagation_benchmark says (name -> number), and the landmarks, layer by layer; None
     where it failed and may."""
     with tempfile.TemporaryDirectory() as folder:
-        landmarks = Path(folder) / "landmarks"
+        landmarks, uncertainty = Path(folder) / "landmarks", Path(folder) / "uncertainty"
+        more = [*more, *(["--uncertainty", uncertainty] if with_uncertainty else [])]
         more = [*more, *(["--root-map", root_map] if root_map else [])]
         done = subprocess.run(
             [
@@ -75,6 +85,8 @@ def run(options, files, method="robust", repeat=3, root_map=None, may_fail=False
         figures = {
             name: float(value) for name, value in re.findall(r"(\w+)=([-+.\deE]+)", done.stdout)
         }
+        if with_uncertainty:
+            figures["uncertainty"] = np.fromfile(uncertainty).reshape(len(files), LANDMARKS)
         return figures, list(np.fromfile(landmarks).reshape(len(files), LANDMARKS, 3))
 
 
@@ -346,10 +358,112 @@ def orders(options, measure, phantom, folder):
             row([name, label, *cells])
 
 
+def surface_of(options, measure, file):
+    vertex, f = measure.read_ply(options.data / file)
+    return measure.points(vertex), f
+
+
+def phantom_distances(measure, ventricle, landmarks):
+    """As made_motions.distances, of the yardstick's phantom: where its errors() has means."""
+    rows, columns = 300, 600
+    i, j = (x.ravel() for x in np.meshgrid(range(rows - 1), range(columns), indexing="ij"))
+    a, c = i * columns + j, (i + 1) * columns + j
+    b, d = i * columns + (j + 1) % columns, (i + 1) * columns + (j + 1) % columns
+    sides = (0.0,) if ventricle.part == "cavity" else (0.0, 1.0)
+    sheet = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)])
+    faces = np.concatenate([sheet + k * rows * columns for k in range(len(sides))])
+
+    def at(t):
+        return np.concatenate([ventricle.sheet(t, rows, m, 0.93).reshape(-1, 3) for m in sides])
+
+    face, weights, distance = measure.closest_points(at(0), faces, landmarks[0])
+    moved = [np.einsum("pk,pkj->pj", weights, at(t)[faces[face]]) for t in range(len(landmarks))]
+    return distance < 1.2, [np.linalg.norm(x - y, axis=1) for x, y in zip(landmarks, moved)]
+
+
+def uncertainty(options, measure, phantom, folder):
+    """Is the true error of 95 % of the landmarks below 2.45 times the standard deviation that is
+    told?"""
+    table(["data", "error, mean", "uncertainty, mean", "inside 95 %", "CPU, with and without"])
+    truth = [
+        surface_of(options, measure, file)
+        for file in sorted((options.data / "heart_truth/truth").glob("*.ply"))
+    ]
+    data = [
+        (
+            "real patient",
+            sorted((options.data / "heart_truth/mc").glob("*.ply")),
+            lambda landmarks: (slice(None), list(measure.truth_errors(truth, landmarks))),
+        )
+    ]
+    for part in ("cavity", "wall"):
+        for seed in (0, 3, 7):
+            ventricle = phantom.Ventricle(part, seed)
+            place = folder / f"uncertain_{part}{seed}"
+            place.mkdir()
+            files = write_phases(phantom, ventricle, ventricle.phases, place)
+            data.append(
+                (
+                    f"phantom, {part} {seed}",
+                    files,
+                    lambda landmarks, v=ventricle: phantom_distances(measure, v, landmarks),
+                )
+            )
+    made = {
+        f"other kind, {part} {seed}": made_motions.Ventricle(part, seed)
+        for part in ("cavity", "wall")
+        for seed in (0, 1)
+    }
+    for name, file, seeds in (
+        ("ventricle", "heart_cine/endo_00.ply", (1, 3)),
+        ("hippocampus", "classic/hippocampus.ply", (1, 2)),
+        ("skull", "finch_skulls/G.ConirostrisE.ply", (1,)),
+    ):
+        for seed in seeds:
+            made[f"warped {name} {seed}"] = made_motions.WarpedSurface(
+                surface_of(options, measure, file), seed
+            )
+    for name, motion in made.items():
+        place = folder / f"uncertain_{name}".replace(" ", "_")
+        data.append(
+            (
+                name,
+                write_motion(phantom, motion, place),
+                lambda landmarks, m=motion: made_motions.distances(
+                    m, landmarks, measure.closest_points
+                ),
+            )
+        )
+    for name, files, distances in data:
+        plain = run(options, files, repeat=1)[0]
+        figures, landmarks = run(options, files, repeat=1, with_uncertainty=True)
+        counted, away = distances(landmarks)
+        away = np.array(away)[1:, counted]
+        known = figures["uncertainty"][1:, counted]
+        row(
+            [
+                name,
+                f"{away.mean():.2f}",
+                f"{known.mean():.2f}",
+                f"{(away < np.sqrt(-2 * np.log(0.05)) * known).mean():.3f}",
+                f"{figures['propagation_cpu']:.2f}, {plain['propagation_cpu']:.2f} s",
+            ]
+        )
+
+
+def write_motion(phantom, motion, place):
+    """The phases of one of made_motions, meshed anew."""
+    place.mkdir()
+    random = np.random.RandomState(5)
+    files = [str(place / f"{t:02d}.ply") for t in range(motion.phases)]
+    for t, file in enumerate(files):
+        phantom.write_ply(file, *made_motions.meshed(motion, t, 3500, random))
+    return files
+
+
 def other(options, measure, phantom, folder):
     def surface(file):
-        vertex, f = measure.read_ply(options.data / file)
-        return measure.points(vertex), f
+        return surface_of(options, measure, file)
 
     groups = {
         f"ventricle of another make, {part}": [
@@ -376,12 +490,7 @@ def other(options, measure, phantom, folder):
         found = {column: [] for column in columns}
         radii = []
         for k, motion in enumerate(motions):
-            place = folder / f"{name} {k}".replace(" ", "_")
-            place.mkdir()
-            random = np.random.RandomState(5)
-            files = [str(place / f"{t:02d}.ply") for t in range(motion.phases)]
-            for t, file in enumerate(files):
-                phantom.write_ply(file, *made_motions.meshed(motion, t, 3500, random))
+            files = write_motion(phantom, motion, folder / f"{name} {k}".replace(" ", "_"))
             v, f = motion.at(0)
             radii.append(np.sqrt(measure.triangle_areas(v, f).sum() / (4 * np.pi)))
             landmarks = {}
@@ -427,6 +536,7 @@ def main():
         "disturbed": disturbed,
         "orders": orders,
         "other": other,
+        "uncertainty": uncertainty,
     }
     parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
     options = parser.parse_args()

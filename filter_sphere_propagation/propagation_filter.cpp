@@ -129,6 +129,8 @@ class PropagationFilter : public host::Filter {
             help_.parameter("parents", std::string()),
             help_.parameter("area_restoration", 0.0),
             help_.parameter("residual_quality", false),
+            help_.parameter("uncertainty_quality", false),
+            help_.parameter("root_error_quality", false),
             help_.parameter("mirror_layers", false),
             help_.parameter("anchors", host::choiceOf(anchorUses, AnchorUse::Soft)),
             help_.parameter("anchor_files", std::string()),
@@ -143,6 +145,7 @@ class PropagationFilter : public host::Filter {
 
   host::Outputs run(host::Task& task) const override {
     const PropagationParameters asked = readParameters(task.values);
+    requireOneQuality(task.values, asked.method);
     Participants participants = readParticipants(task);
     MappedSurface rootMap = readRoot(participants);
     PropagationOrder order{task.values.choice("order", orders)};
@@ -187,12 +190,18 @@ class PropagationFilter : public host::Filter {
                propagated.learnt->rotation);
     if (propagated.smoothed > 0)
       task.say(messages::allAtOnce, propagated.smoothed, tree.size() - 1);
+    const double rootError = rootMeanSquare(propagated.rootError);
+    if (propagated.rootError.size() > 0) task.say(messages::rootOff, rootError);
     if (parameters.closing && parameters.method == PropagationMethod::Robust &&
         (propagated.averaged > 0 || propagated.smoothed == 0))
       task.say(messages::bothWays, propagated.averaged, tree.size() - 1);
     warnOfSides(task, participants, sides, mirrors);
     host::Outputs outputs = write(task, participants, propagated.layers, !landmarks.empty());
     outputs["mirrored"] = mirrored;
+    if (propagated.rootError.size() > 0) outputs["root_error_sd"] = rootError;
+    if (asked.motion.uncertainty) writeUncertainty(task, participants, propagated.layers, outputs);
+    if (task.values.flag("root_error_quality"))
+      writeRootError(task, participants, propagated.rootError);
     const bool held = !parameters.anchors.layers.empty() && asked.anchors.use == AnchorUse::Exact;
     for (const host::Layer& layer : participants.layers)
       if (held || holdsAnchors(layer))
@@ -216,6 +225,57 @@ class PropagationFilter : public host::Filter {
   }
 
  private:
+  static void requireOneQuality(const host::ParameterValues& values, PropagationMethod method) {
+    const bool uncertainty = values.flag("uncertainty_quality");
+    if (uncertainty && values.flag("residual_quality")) throw host::Refusal(messages::oneQuality);
+    if (method == PropagationMethod::AsPublished &&
+        (uncertainty || values.flag("root_error_quality")))
+      throw host::Refusal(messages::onlyRobustKnows);
+  }
+
+  static double rootMeanSquare(const Eigen::VectorXd& values) {
+    return values.size() == 0 ? 0 : std::sqrt(values.squaredNorm() / values.size());
+  }
+
+  /// As quality and figures; where nobody knows, a layer keeps the quality that it has.
+  static void writeUncertainty(host::Task& task, const Participants& participants,
+                               const std::vector<PropagatedLayer>& propagated,
+                               host::Outputs& outputs) {
+    const auto layers = static_cast<Eigen::Index>(propagated.size());
+    Eigen::VectorXd mean = Eigen::VectorXd::Constant(layers, std::nan("")), p95 = mean;
+    double sum = 0, most = 0;
+    int known = 0;
+    for (Eigen::Index i = 0; i < layers; ++i) {
+      const auto k = static_cast<size_t>(i);
+      const Eigen::VectorXd& uncertainty = propagated[k].uncertainty;
+      if (uncertainty.size() == 0) {
+        task.sayOf(participants.layers[k], messages::noUncertainty);
+        continue;
+      }
+      task.changes.setQuality(participants.layers[k], participants.meshes[k], uncertainty);
+      const Residual figures =
+          residualOf({uncertainty.data(), uncertainty.data() + uncertainty.size()});
+      mean[i] = figures.mean;
+      p95[i] = figures.p95;
+      if (propagated[k].parent < 0) continue;
+      sum += mean[i];
+      most = std::max(most, mean[i]);
+      ++known;
+    }
+    if (known > 0) task.say(messages::uncertaintyStored, sum / known, most);
+    outputs["uncertainty_mean"] = mean;
+    outputs["uncertainty_p95"] = p95;
+  }
+
+  static void writeRootError(host::Task& task, const Participants& participants,
+                             const Eigen::VectorXd& error) {
+    const auto root = static_cast<size_t>(participants.root);
+    if (error.size() == 0)
+      task.sayOf(participants.layers[root], messages::noRootError);
+    else
+      task.changes.setQuality(participants.layers[root], participants.meshes[root], error);
+  }
+
   static PropagationParameters readParameters(const host::ParameterValues& values) {
     PropagationParameters parameters;
     parameters.method = values.choice("method", methods);
@@ -224,6 +284,7 @@ class PropagationFilter : public host::Filter {
     parameters.published.icpIterations = values.integer("icp_iterations");
     parameters.published.smoothingSweeps = values.integer("smoothing_sweeps");
     parameters.threads = values.integer("threads");
+    parameters.motion.uncertainty = values.flag("uncertainty_quality");
     parameters.anchors.use = values.choice("anchors", anchorUses);
     parameters.anchors.deviation = values.real("anchor_sd");
     parameters.anchors.layPoses = values.flag("anchor_pose");

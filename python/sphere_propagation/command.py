@@ -281,6 +281,7 @@ def _choices(options, defaults: CorrespondenceParameters) -> jobs.Choices:
         anchor_snap=options.anchor_snap,
         anchor_pose=options.anchor_pose,
         anchor_positions=options.anchor_positions,
+        uncertainty=options.uncertainty,
     )
     steps = {name: getattr(options, name) for name in STEPS_OF_PREPARE}
     preparation = steps if options.prepare else None
@@ -880,6 +881,12 @@ def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None
         "--mirror-layers",
         action="store_true",
         help="reflect a mesh that is a mirror image of the others, a left bone among right ones",
+    )
+    add(
+        "--uncertainty",
+        action="store_true",
+        help="write how well each landmark is known along the surface (method Robust): "
+        "uncertainty in landmarks.npz, a column in landmarks.csv",
     )
     add(
         "--groupwise",

@@ -16,6 +16,7 @@ from .filters import (
     AnchorFit,
     Figures,
     anchors_of,
+    landmark_places,
     optimise_groupwise,
     parameterise_root,
     propagate,
@@ -64,6 +65,9 @@ class Correspondence:
     # is made up; shape_model leaves it out.
     lid: Optional[np.ndarray] = None
     anchors: Optional[AnchorFit] = None  # what became of them, where there were some
+    # Where asked for, (surfaces, landmarks): how well each is known along the surface, as
+    # Propagation has it at vertices.
+    uncertainty: Optional[np.ndarray] = None
 
     def __repr__(self) -> str:
         return (
@@ -94,6 +98,7 @@ def correspond(
     anchor_snap: bool = DEFAULTS.anchor_snap,
     anchor_pose: bool = DEFAULTS.anchor_pose,
     anchor_positions: AnchorPositions = DEFAULTS.anchor_positions,
+    uncertainty: bool = DEFAULTS.uncertainty,
     unit: str = DEFAULT_UNIT,
     progress: Silent = SILENT,
 ) -> Correspondence:
@@ -110,6 +115,7 @@ def correspond(
     anchors, anchor_sd, exact, anchor_snap, anchor_pose: points that must correspond, as of
     propagate.
     anchor_positions: where the root's anchors are to lie on the sphere, as of parameterise_root.
+    uncertainty: whether the result says how well each landmark is known (method Robust).
     unit: what lengths are called in texts, tables and pictures; nothing is converted.
     progress: is told what is being done and what was found, as a progress.Lines prints it.
 
@@ -132,6 +138,7 @@ def correspond(
         anchor_snap=anchor_snap,
         anchor_pose=anchor_pose,
         anchor_positions=anchor_positions,
+        uncertainty=uncertainty,
     )
     return correspond_by(parameters, surfaces, root_map, progress, unit)
 
@@ -197,6 +204,7 @@ def _correspond(
         exact=parameters.exact,
         anchor_snap=parameters.anchor_snap,
         anchor_pose=parameters.anchor_pose,
+        uncertainty_quality=parameters.uncertainty,
     )
     surfaces = propagation.surfaces
     figures = dict(propagation.figures)
@@ -235,6 +243,27 @@ def _correspond(
         unit=unit,
         lid=2 * landmarks.lid.sum(0) >= len(surfaces),
         anchors=_renumbered(propagation.anchors, parameters.frequency),
+        uncertainty=_at_landmarks(
+            surfaces, maps, propagation.uncertainties, len(landmarks.points[0])
+        ),
+    )
+
+
+def _at_landmarks(
+    surfaces: List[Surface],
+    maps: List[SphereMap],
+    values: Optional[List[np.ndarray]],
+    count: int,
+) -> Optional[np.ndarray]:
+    """Smooth values of vertices at the landmarks: that of the vertex that is next on the sphere."""
+    if values is None:
+        return None
+    places = landmark_places(surfaces[0], maps[0], count)
+    return np.stack(
+        [
+            of_layer[np.argmax(sphere_map.positions @ places.T, axis=0)]
+            for sphere_map, of_layer in zip(maps, values)
+        ]
     )
 
 
@@ -294,7 +323,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = in_full(name, getattr(parameters, name))
         require_choice(name, value, NAMED[name])
         parameters = replace(parameters, **{name: value})
-    for name in ("groupwise", "exact", "anchor_snap", "anchor_pose"):
+    for name in ("groupwise", "exact", "anchor_snap", "anchor_pose", "uncertainty"):
         if not isinstance(getattr(parameters, name), (bool, np.bool_)):
             raise InputError(f"{name} must be True or False, not {getattr(parameters, name)!r}.")
     for name in ("area_weight", "area_restoration"):

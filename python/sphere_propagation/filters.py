@@ -126,6 +126,11 @@ class Propagation:
     (1 for a surface that lies far off what was brought onto it).
     residuals: where asked for, of each surface the distance of every vertex from what was brought
     onto it.
+    uncertainties: where asked for, of each surface how well landmarks are known along it at every
+    vertex: the standard deviation of each of the two coordinates along the surface, so that 95 %
+    lie within 2.45 times that. NaN where the fit lost the surface, 0 on the root.
+    root_error: where asked for and known, what the root's surface lacks outwards at every vertex;
+    root_error_sd: its size, where all surfaces were fitted at once.
     branch_distance (in the surfaces' unit), branch_angle (degrees): in Cyclic time, how far the
     maps of the two branches are apart where they meet.
     surfaces: what the maps are of: those given, but for the ones that were reflected.
@@ -139,6 +144,9 @@ class Propagation:
     branch_angle: Optional[float] = None
     surfaces: Optional[List[Surface]] = None
     anchors: Optional[AnchorFit] = None
+    uncertainties: Optional[List[np.ndarray]] = None
+    root_error: Optional[np.ndarray] = None
+    root_error_sd: Optional[float] = None
 
     def __repr__(self) -> str:
         return (
@@ -380,6 +388,8 @@ def propagate(
     parents: Parents = DEFAULTS.parents,
     area_restoration: float = DEFAULTS.area_restoration,
     residual_quality: bool = False,
+    uncertainty_quality: bool = False,
+    root_error_quality: bool = False,
     mirror_layers: bool = DEFAULTS.mirror_layers,
     anchors: Anchors = DEFAULTS.anchors,
     anchor_sd: float = DEFAULTS.anchor_sd,
@@ -401,7 +411,8 @@ def propagate(
     tree where there is no order.
     parents: for the order Given, one number per surface: where its map comes from, -1 for the root.
     area_restoration: 0 to 1, how far each map is moved towards area preservation in the end.
-    residual_quality: whether `residuals` is returned.
+    residual_quality, uncertainty_quality (one of the two), root_error_quality: whether `residuals`,
+    `uncertainties`, `root_error` are returned.
     mirror_layers: reflect a surface that is a mirror image of the others, a left bone among right
     ones, before its map is made: the maps are then those of `surfaces` in what is returned.
     anchors: points that must correspond, per surface a dictionary (name -> x, y, z) or None; or a
@@ -445,6 +456,8 @@ def propagate(
         parents=parents,
         area_restoration=area_restoration,
         residual_quality=residual_quality,
+        uncertainty_quality=uncertainty_quality,
+        root_error_quality=root_error_quality,
         mirror_layers=mirror_layers,
         anisotropic_scaling=anisotropic_scaling,
         icp_iterations=icp_iterations,
@@ -458,7 +471,18 @@ def propagate(
             "lies on the unit sphere, or is called like a layer of a shape model.",
         )
     maps = _maps_with_figures(meshes, figures, len(surfaces))
-    residuals = [mesh.vertex_scalar_array() for mesh in meshes] if residual_quality else None
+    qualities = [mesh.vertex_scalar_array() for mesh in meshes]
+    root_error = None
+    if root_error_quality and "root_error_sd" in figures:
+        root_error = qualities[root_layer]
+        qualities[root_layer] = np.zeros(len(root_error))
+    uncertainties = None
+    if uncertainty_quality:
+        unknown = np.isnan(figures["uncertainty_mean"])
+        uncertainties = [
+            np.full(len(surface.vertices), np.nan) if nobody_knows else quality
+            for surface, quality, nobody_knows in zip(surfaces, qualities, unknown)
+        ]
     fit = None
     if "anchor_distance" in figures:
         by_anchor = {
@@ -479,7 +503,17 @@ def propagate(
         else surface
         for i, surface in enumerate(surfaces)
     ]
-    return Propagation(maps, figures, residuals, *branches, surfaces=as_mapped, anchors=fit)
+    return Propagation(
+        maps,
+        figures,
+        qualities if residual_quality else None,
+        *branches,
+        surfaces=as_mapped,
+        anchors=fit,
+        uncertainties=uncertainties,
+        root_error=root_error,
+        root_error_sd=figures.pop("root_error_sd", None),
+    )
 
 
 def anchors_of(anchors: Anchors, count: int):

@@ -229,6 +229,7 @@ def facts_of(result: Correspondence, choices: Choices) -> Dict[str, Any]:
         "area restoration": f"{parameters.area_restoration:g}",
         "mirror layers": "yes" if parameters.mirror_layers else "no",
         "groupwise": "yes" if parameters.groupwise else "no",
+        "uncertainty": "yes" if parameters.uncertainty else "no",
         "anchors": _anchors(result.anchors, parameters),
         "unit": result.unit,
     }

@@ -80,7 +80,9 @@ FLAGS = (
     "remove_fins",
     "remove_handles",
     "residual_quality",
+    "root_error_quality",
     "skip_incomplete_phases",
+    "uncertainty_quality",
     "weld",
 )
 
@@ -105,6 +107,7 @@ class CorrespondenceParameters:
     anchor_snap: bool = False
     anchor_pose: bool = False
     anchor_positions: AnchorPositions = None
+    uncertainty: bool = False
 
 
 DEFAULTS = CorrespondenceParameters()

@@ -73,14 +73,16 @@ def write_layers(folder, name: str, result: Union[Row, Correspondence]) -> None:
 def write_landmarks(path, result: Correspondence) -> None:
     """All landmarks in one file; its ending chooses: .npz (landmarks (surfaces, N, 3), faces,
     names, root, unit, lid (N,)) or .csv (a row per landmark: shape, landmark, x, y, z; landmarks
-    count from 0)."""
+    count from 0); with uncertainty (surfaces, N), a last column in .csv, where it was asked for."""
     path = path_of(path)
     if not isinstance(result, Correspondence):
         raise InputError(f"Landmarks are those of correspond(), not of {type(result).__name__}.")
     names = distinct_names(result.surfaces)
     if path.suffix.lower() == ".npz":
+        more = {} if result.uncertainty is None else {"uncertainty": result.uncertainty}
         np.savez_compressed(
             path,
+            **more,
             landmarks=result.landmarks,
             faces=result.landmark_faces,
             names=np.array(names),
@@ -91,8 +93,12 @@ def write_landmarks(path, result: Correspondence) -> None:
     elif path.suffix.lower() == ".csv":
         with open(path, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["shape", "landmark", "x", "y", "z"])
-            for name, points in zip(names, result.landmarks):
+            columns, rows = ["x", "y", "z"], result.landmarks
+            if result.uncertainty is not None:
+                columns.append("uncertainty")
+                rows = np.dstack([rows, result.uncertainty])
+            writer.writerow(["shape", "landmark", *columns])
+            for name, points in zip(names, rows):
                 writer.writerows(
                     [name, j, *(f"{value:.9g}" for value in point)]
                     for j, point in enumerate(points.tolist())

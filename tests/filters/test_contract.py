@@ -62,6 +62,8 @@ PARAMETERS = {
         "parents": "",
         "area_restoration": 0.0,
         "residual_quality": False,
+        "uncertainty_quality": False,
+        "root_error_quality": False,
         "mirror_layers": False,
         "anchors": ["Off", "Soft", "Exact"],
         "anchor_files": "",

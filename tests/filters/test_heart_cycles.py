@@ -3,6 +3,7 @@
 yardstick from what is stored."""
 
 import numpy as np
+import pymeshlab
 import pytest
 from cycles import OTHER_SEED, project_of, run_pipeline
 from documents import PROPAGATE, ROOT, positions
@@ -222,3 +223,51 @@ def test_the_branches_of_a_cycle_are_compared_where_they_meet():
     plain = project_of("phantom cavity")
     plain.apply_filter(ROOT)
     assert "branch_distance" not in plain.apply_filter(PROPAGATE, order="Time")
+
+
+def test_uncertainty_and_the_roots_error_are_stored_on_request(measure):
+    ms = project_of("phantom cavity")
+    ms.apply_filter(ROOT)
+    plain = ms.apply_filter(PROPAGATE, order="Cyclic time")
+    maps = [positions(mesh) for mesh in ms]
+    returned = ms.apply_filter(
+        PROPAGATE, order="Cyclic time", uncertainty_quality=True, root_error_quality=True
+    )
+    assert "uncertainty_mean" not in plain
+    assert plain["root_error_sd"] == returned["root_error_sd"]
+    assert 0.02 < returned["root_error_sd"] < 1  # of voxels of 1.5 mm
+    for before, mesh in zip(maps, ms):
+        assert (positions(mesh) == before).all()
+    qualities = [mesh.vertex_scalar_array() for mesh in ms]
+    root = qualities.pop(0)
+    assert np.sqrt((root**2).mean()) == pytest.approx(returned["root_error_sd"], rel=1e-6)
+    assert returned["uncertainty_mean"][0] == returned["uncertainty_p95"][0] == 0
+    for i, quality in enumerate(qualities, 1):
+        assert quality.min() > 0
+        assert quality.mean() == pytest.approx(returned["uncertainty_mean"][i], rel=1e-6)
+        assert np.quantile(quality, 0.95) == pytest.approx(returned["uncertainty_p95"][i], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "choices, words",
+    [
+        ({"residual_quality": True, "uncertainty_quality": True}, "one quality"),
+        ({"method": "As published", "uncertainty_quality": True}, "Robust"),
+        ({"method": "As published", "root_error_quality": True}, "Robust"),
+    ],
+)
+def test_what_cannot_be_stored_is_refused_before_any_work(choices, words):
+    ms = project_of("phantom cavity")
+    ms.apply_filter(ROOT)
+    with pytest.raises(pymeshlab.PyMeshLabException, match=words):
+        ms.apply_filter(PROPAGATE, **choices)
+
+
+def test_where_nothing_is_known_of_the_roots_error_it_keeps_its_quality():
+    ms = project_of("phantom cavity")
+    ms.apply_filter(ROOT)
+    root = ms.mesh(0).vertex_scalar_array().copy()
+    returned = ms.apply_filter(PROPAGATE, order="Star", root_error_quality=True)
+    assert (ms.mesh(0).vertex_scalar_array() == root).all()
+    assert "root_error_sd" not in returned
+    assert "nothing is known of the error" in bytes(map(int, returned["warnings"])).decode()

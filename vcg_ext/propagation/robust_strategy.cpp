@@ -71,11 +71,13 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
   result.learnt = followed.learnt;
   result.averaged = followed.averaged;
   result.smoothed = followed.smoothed;
+  result.rootError = std::move(followed.rootError);
   result.layers =
       overArcs(task, part(progress, followingShare, 1), [&](int i, const PropagatedLayer& parent) {
         if (std::optional<FollowedLayer>& layer = followed.layers[static_cast<size_t>(i)]) {
           PropagatedLayer there{std::move(layer->transferred)};
           there.seconds = layer->seconds;
+          there.uncertainty = std::move(layer->uncertainty);
           return there;
         }
         const Stopwatch watch;
@@ -97,12 +99,16 @@ Propagation RobustStrategy::propagate(const PropagationTask& task, const Progres
     if (const double unit = task.sequence[i].radius() / sized[i].radius(); unit != 1) {
       for (double& distance : transferred.distances) distance *= unit;
       transferred.residual = residualOf(transferred.distances);
+      result.layers[k].uncertainty *= unit;
       if (!followed.anchors.empty())
         for (double& distance : followed.anchors[k].before) distance *= unit;
     }
     if (!followed.anchors.empty()) result.layers[k].anchors = std::move(followed.anchors[k]);
     result.layers[k].pose = poses[k];
   }
+  if (parameters_.uncertainty)
+    result.layers[static_cast<size_t>(task.tree.root())].uncertainty =
+        Eigen::VectorXd::Zero(task.root.vertexCount());
   return result;
 }
 

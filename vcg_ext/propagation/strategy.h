@@ -39,6 +39,10 @@ struct PropagatedLayer {
   /// Whether it lies much farther off than the others do (residualsThatStandOut).
   bool residualStandsOut = false;
   AnchorFigures anchors = {};  ///< empty where there are no anchors
+  /// #V, where asked for (MotionParameters::uncertainty): how well tissue is known along the
+  /// surface at each vertex, as the standard deviation of a coordinate (motion_uncertainty.h), in
+  /// the unit of the vertices. Zero at the root; empty where the motion's fit did not make the map.
+  Eigen::VectorXd uncertainty = {};
 
   const MappedSurface& map() const { return transferred.map; }
 };
@@ -54,6 +58,9 @@ struct Propagation {
                      ///< cycle at once (motion_smoothing.h); not in `averaged`
   /// By method Robust, where there was enough to learn from (motion_learning.h).
   std::optional<MotionVariances> learnt = {};
+  /// By method Robust, where surfaces were fitted at once: what the root's surface lacks outwards
+  /// at each of its vertices, as all surfaces together say; else empty.
+  Eigen::VectorXd rootError = {};
 };
 
 struct PropagationTask {

@@ -12,6 +12,7 @@
 #include "vcg_ext/propagation/motion/motion_learning.h"
 #include "vcg_ext/propagation/motion/motion_model.h"
 #include "vcg_ext/propagation/motion/motion_smoothing.h"
+#include "vcg_ext/propagation/motion/motion_uncertainty.h"
 
 namespace sphere_propagation {
 namespace {
@@ -116,16 +117,25 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     around = fitOtherWayRound(model, sequence, cycle, fit, prior, pool, held);
     motion = averageOfBothWays(model, sequence, cycle, fit.coefficients, around);
   }
+  std::vector<Eigen::MatrixXd> covariances(motion.size());
+  if (parameters.uncertainty) {
+    covariances = covariancesAlongTree(tree, fit, pool);
+    std::vector<char> averaged(motion.size(), 0);
+    for (size_t t = 0; t < motion.size(); ++t) averaged[t] = motion[t] != fit.coefficients[t];
+    if (closes) covariances = covariancesOfBothWays(cycle, fit, averaged, std::move(covariances));
+  }
   std::vector<char> smoothed(motion.size(), 0);
   if (parameters.smooths && learns && anchors.empty() && isPath(tree)) {
-    const SmoothedMotion all =
+    SmoothedMotion all =
         smoothMotion(model, sequence, tree.root(), arcsOf(tree, cycle, fit.lost), motion,
-                     priorForAllAtOnce(prior), pool);
+                     priorForAllAtOnce(prior), pool, parameters.uncertainty);
+    if (all.rootError.size() > 0) followed.rootError = interpolatedAt(model, root, all.rootError);
     for (size_t t = 0; t < motion.size(); ++t) {
       const Eigen::VectorXd& c = all.coefficients[t];
       if (c == motion[t] || !agree(model, sequence[static_cast<int>(t)], c, motion[t])) continue;
       motion[t] = c;
       smoothed[t] = 1;
+      if (parameters.uncertainty) covariances[t] = std::move(all.covariances[t]);
     }
   }
   if (!anchors.empty()) followed.anchors = figuresOf(tree, held, fit, prior, anchors);
@@ -139,7 +149,13 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     const Stopwatch reading;
     std::optional<TransferredMap> map =
         readMap(root, rootOrder, model.movedVertices(coefficients), sequence[layer]);
-    if (map) followed.layers[i] = FollowedLayer{std::move(*map), share + reading.seconds()};
+    if (!map) return;
+    Eigen::VectorXd uncertainty;
+    if (covariances[i].size() > 0)
+      uncertainty =
+          interpolatedAt(model, map->map, uncertaintyOfNodes(model, coefficients, covariances[i]));
+    followed.layers[i] =
+        FollowedLayer{std::move(*map), share + reading.seconds(), std::move(uncertainty)};
   };
   size_t done = 0;
   for (const std::vector<int>& level : tree.levels()) {

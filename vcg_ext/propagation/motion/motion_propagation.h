@@ -32,11 +32,14 @@ struct MotionParameters {
   /// Whether all surfaces of a chain are fitted at once in the end (motion_smoothing.h), where the
   /// prior was learnt. Off: arc by arc alone, for comparison.
   bool smooths = true;
+  /// Whether the uncertainty of each surface's landmarks is asked for (motion_uncertainty.h).
+  bool uncertainty = false;
 };
 
 struct FollowedLayer {
   TransferredMap transferred;
-  double seconds = 0;  ///< wall clock: its reading, and its share of the fits
+  double seconds = 0;                ///< wall clock: its reading, and its share of the fits
+  Eigen::VectorXd uncertainty = {};  ///< #V, in the unit of length, where asked for
 };
 
 /// Two maps of the surface where a closing arc ends.
@@ -57,6 +60,9 @@ struct FollowedMotion {
   int averaged = 0;  ///< surfaces where both ways round a cycle agree, and are averaged
   int smoothed =
       0;  ///< surfaces whose motion was fitted to all of a chain at once; not in `averaged`
+  /// Where some were: what the root's surface lacks outwards at each of its vertices (e of
+  /// motion_smoothing.h).
+  Eigen::VectorXd rootError = {};
 };
 
 /// sequence: the surfaces, in one frame; root: the map of the tree's root among them; tree: one

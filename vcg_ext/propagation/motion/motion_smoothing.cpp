@@ -13,6 +13,7 @@
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/propagation/motion/dense_kernels.h"
 #include "vcg_ext/propagation/motion/motion_data.h"
+#include "vcg_ext/propagation/motion/motion_uncertainty.h"
 #include "vcg_ext/propagation/motion/surface_errors.h"
 
 namespace sphere_propagation {
@@ -157,13 +158,17 @@ Eigen::VectorXd sharesOf(const LayerSums& sums, const Noises& noises) {
   return variance / (noises.white + variance * sums.ff.array());
 }
 
+/// What a surface says of the coefficients, times kappa.
+Eigen::MatrixXf informationFrom(const LayerSums& sums, const Noises& noises) {
+  const Eigen::VectorXf roots = sharesOf(sums, noises).cwiseSqrt().cast<float>();
+  const RowsF own = (sums.bf * roots.asDiagonal()).transpose();
+  return sums.bb - sumOfOuterProducts(own);
+}
+
 /// The mean over surfaces of what they say of the coefficients.
 Eigen::MatrixXd meanInformation(const SmoothingProblem& problem, const Noises& noises) {
   const std::vector<Eigen::MatrixXf> each = problem.pool.makeEach(problem.count(), [&](int t) {
-    const LayerSums& s = problem.layers[static_cast<size_t>(t)].sums;
-    const Eigen::VectorXf roots = sharesOf(s, noises).cwiseSqrt().cast<float>();
-    const RowsF own = (s.bf * roots.asDiagonal()).transpose();
-    return Eigen::MatrixXf(s.bb - sumOfOuterProducts(own));
+    return informationFrom(problem.layers[static_cast<size_t>(t)].sums, noises);
   });
   Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(columns, columns);
   for (const Eigen::MatrixXf& one : each) sum += one;
@@ -203,6 +208,7 @@ class SmoothingSystem {
       matrix += rootMatrix[k];
       rootRight_ += rootRight[k];
     }
+    rootMatrix_ = matrix;
     rootFactor_ = DenseCholesky(std::move(matrix));
     const Eigen::MatrixXd start = problem.start / problem.unit;
     right_ -= boundBy(start);
@@ -246,6 +252,29 @@ class SmoothingSystem {
     return {std::move(x), rootFactor_.solve(right)};
   }
 
+  /// Of each surface's coefficients, e integrated out.
+  std::vector<Eigen::MatrixXd> covariances() const {
+    const DenseCholesky whitening(problem_.prior.precision);
+    const auto count = static_cast<size_t>(problem_.count());
+    BoundChain chain{std::vector<Eigen::MatrixXd>(count), problem_.inTime,
+                     std::vector<Eigen::MatrixXd>(count), rootMatrix_};
+    problem_.pool.forEach(problem_.count(), [&](int t) {
+      const auto k = static_cast<size_t>(t);
+      const Eigen::MatrixXd information =
+          informationFrom(problem_.layers[k].sums, noises_).cast<double>() / noises_.white;
+      const Eigen::MatrixXd half = whitening.solveLower(information);
+      chain.blocks[k] = whitening.solveLower(half.transpose());
+      chain.coupling[k] = whitening.solveLower(coupling_[k].cast<double>());
+    });
+    std::vector<Eigen::MatrixXd> covariances = covariancesOf(chain, problem_.pool);
+    problem_.pool.forEach(problem_.count(), [&](int t) {
+      Eigen::MatrixXd& covariance = covariances[static_cast<size_t>(t)];
+      const Eigen::MatrixXd half = whitening.solveUpper(covariance);
+      covariance = whitening.solveUpper(half.transpose());
+    });
+    return covariances;
+  }
+
  private:
   /// What the prior and the arcs say of x.
   Eigen::MatrixXd boundBy(const Eigen::MatrixXd& x) const {
@@ -260,6 +289,7 @@ class SmoothingSystem {
   std::vector<Eigen::MatrixXf> coupling_;
   Eigen::MatrixXd right_;
   Eigen::VectorXd rootRight_;
+  Eigen::MatrixXd rootMatrix_;
   DenseCholesky rootFactor_;
 };
 
@@ -339,7 +369,7 @@ MotionPrior priorForAllAtOnce(const MotionPrior& learnt) {
 
 SmoothedMotion smoothMotion(const MotionModel& model, const Sequence& sequence, int root,
                             const std::vector<Arc>& arcs, const std::vector<Eigen::VectorXd>& start,
-                            const MotionPrior& prior, ThreadPool& pool) {
+                            const MotionPrior& prior, ThreadPool& pool, bool withCovariances) {
   SmoothedMotion smoothed;
   smoothed.coefficients = start;
   // Errors count in units of sqrt(A0/2), as coefficients do.
@@ -403,6 +433,12 @@ SmoothedMotion smoothMotion(const MotionModel& model, const Sequence& sequence, 
   for (int k = 0; k < problem.count(); ++k)
     smoothed.coefficients[static_cast<size_t>(problem.layers[static_cast<size_t>(k)].layer)] +=
         problem.unit * best.change.col(k);
+  if (!withCovariances) return smoothed;
+  noises.white = smoothed.noise;
+  std::vector<Eigen::MatrixXd> covariances = SmoothingSystem(problem, noises).covariances();
+  smoothed.covariances.resize(start.size());
+  for (size_t k = 0; k < covariances.size(); ++k)
+    smoothed.covariances[static_cast<size_t>(problem.layers[k].layer)] = std::move(covariances[k]);
   return smoothed;
 }
 

@@ -50,6 +50,8 @@ struct SmoothedMotion {
   double errorInEdges = 0;                    ///< tau
   Eigen::VectorXd rootError;  ///< e, #N, in the unit of length: what the root's surface lacks
                               ///< outwards
+  /// Where asked for: P of motion_uncertainty.h, one of size 0 for surfaces on no arc.
+  std::vector<Eigen::MatrixXd> covariances;
 };
 
 /// Sigma^-1 as above, from the one that was learnt (motion_learning.h).
@@ -58,9 +60,10 @@ MotionPrior priorForAllAtOnce(const MotionPrior& learnt);
 /// sequence: the surfaces; root: the moving one; arcs: between surfaces, the root among them, which
 /// hang together; start: coefficients of each surface, zero at the root, with which the nodes lie
 /// near it; prior: of the motion along an arc, Sigma^-1. pool: who does the work, with the same
-/// result whatever the number of threads.
+/// result whatever the number of threads. withCovariances: whether they are asked for.
 SmoothedMotion smoothMotion(const MotionModel& model, const Sequence& sequence, int root,
                             const std::vector<Arc>& arcs, const std::vector<Eigen::VectorXd>& start,
-                            const MotionPrior& prior, ThreadPool& pool);
+                            const MotionPrior& prior, ThreadPool& pool,
+                            bool withCovariances = false);
 
 }  // namespace sphere_propagation
