@@ -157,6 +157,19 @@ def test_one_that_was_killed_is_tried_again(tmp_path):
     assert "SIGKILL" in found[2][2] and "memory" in found[2][2]
 
 
+def test_a_step_does_not_outlive_who_started_it(run_python):
+    """Not even where that one ended before the step began."""
+    code = (
+        "import os, sys\n"
+        "from sphere_propagation.cohort import worker\n"
+        "worker.die_with_parent(int(sys.argv[1]) or os.getppid())\n"
+        "print('at work')"
+    )
+    assert run_python(code, "0").stdout == "at work\n"
+    ended = run_python(code, "999999999")
+    assert ended.returncode == -signal.SIGKILL and not ended.stdout
+
+
 def test_what_is_the_machines_fault_is_no_subjects():
     def work(item):
         raise OSError(28, "No space left on device")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import sys
 import time
@@ -14,6 +15,7 @@ from ..errors import SpherePropagationError
 from . import atlas, cycles, importing, landmarks, merging, spatial, store, study_report, worker
 
 COSTS = Path("costs")
+PARENT = "SPHERE_PROPAGATION_PARENT"  # the engine's process, as the Snakefile says it
 STEPS: Dict[str, Callable[..., int]] = {
     "import": importing.run,
     "atlas": atlas.run,
@@ -33,7 +35,7 @@ def main(words: Sequence[str]) -> int:
     if step not in STEPS:
         print(f"steps: {', '.join(STEPS)}", file=sys.stderr)
         return 2
-    worker.die_with_parent()
+    worker.die_with_parent(int(os.environ.get(PARENT, os.getppid())))
     began = time.time()
     try:
         count = STEPS[step](*arguments)

@@ -22,12 +22,15 @@ class Failed(Exception):
     """A subject cannot be done, for this reason."""
 
 
-def die_with_parent() -> None:
-    """The kernel ends this process when its parent ends, however that comes; Linux only."""
+def die_with_parent(parent: int) -> None:
+    """The kernel ends this process when its parent ends, however that comes; Linux only. parent:
+    who it is; one that has ended before is followed at once."""
     try:
         ctypes.CDLL(None).prctl(DEATH_SIGNAL, int(signal.SIGKILL))
     except (AttributeError, OSError):
         return
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
 
 
 def each(function: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[Tuple[int, Any, str]]:
@@ -38,7 +41,9 @@ def each(function: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[Tuple
     place, tries = 0, 0
     while place < len(items):
         here, there = context.Pipe(duplex=False)
-        process = context.Process(target=_serve, args=(there, here, function, items[place:]))
+        process = context.Process(
+            target=_serve, args=(os.getpid(), there, here, function, items[place:])
+        )
         process.start()
         there.close()
         try:
@@ -70,9 +75,9 @@ def _how(ended: int, code: Any) -> str:
     return f"The program was ended by {name} while it was at work on it{more}"
 
 
-def _serve(there, here, function, items) -> None:
+def _serve(parent, there, here, function, items) -> None:
     here.close()
-    die_with_parent()
+    die_with_parent(parent)
     for item in items:
         try:
             there.send(("done", function(item)))
