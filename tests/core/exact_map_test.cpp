@@ -13,6 +13,7 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/map_measures.h"
 
 namespace sphere_propagation {
 namespace {
@@ -72,6 +73,16 @@ TEST(ExactMap, LeavesAMapThatHoldsThemAlready) {
   EXPECT_EQ(holdExactly(map, asked.points, asked.targets, asked.names).map.positions(),
             map.positions());
   EXPECT_EQ(holdExactly(map, {}, {}, {}).map.positions(), map.positions());
+}
+
+TEST(ExactMap, SpreadsFarWaysOverTheSphere) {
+  // The flow alone leaves 15 degrees here, where there were none.
+  const MappedSurface map = ballMap();
+  const Moves asked = moves(map, 0.6);
+  const ExactMap held = holdExactly(map, asked.points, asked.targets, asked.names);
+  EXPECT_LT(farthest(held.map, asked), 1e-12);
+  EXPECT_TRUE(certify(map.faces(), held.map.positions()).valid());
+  EXPECT_LT(measureMap(map.surface(), held.map.positions()).angleErrorMean, 11);
 }
 
 TEST(SnappedMap, MakesPointsLandmarksEachOneOfItsOwn) {

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "vcg_ext/area/area_minimiser.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/sphere/certificate.h"
 #include "vcg_ext/sphere/repair/untangling.h"
@@ -17,13 +19,15 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWidth = 0.15;
-constexpr int mostSteps = 60, ringsWithHeld = 4;
+constexpr int mostSteps = 120, ringsWithHeld = 12, stepsOnTheWay = 4, stepsAtEnd = 20;
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
 /// Within so many radians, what is interpolated from the corners of faces is aimed at: that
 /// converges quickly where faces are large, but on long ways it tears at corners that are far.
 constexpr double nearEnds = 1e-3;
+/// Ways longer than this (radians) are relaxed for, in the end and so often on the way.
+constexpr double farAway = 0.15, betweenRelaxations = 0.3;
 
 /// The tangent at p that leads to q along the great circle, as long as the way.
 Vector3 wayFrom(const Vector3& p, const Vector3& q) {
@@ -147,6 +151,53 @@ PlaceInFace placeAsVertex(const Vector3& place) {
   return {place, {place, place, place}, Vector3::UnitX(), 1};
 }
 
+/// Corners of points' faces go with them, as rigid as they are, but for those of several.
+constexpr int nobody = -1, several = -2;
+
+/// Which point each vertex goes with.
+std::vector<int> ownersOf(const ClosedSurface& surface, const std::vector<SurfacePoint>& points) {
+  std::vector<int> owners(static_cast<size_t>(surface.vertexCount()), nobody);
+  for (size_t k = 0; k < points.size(); ++k)
+    for (int corner = 0; corner < 3; ++corner) {
+      int& its = owners[static_cast<size_t>(surface.faces()(points[k].face, corner))];
+      its = its == nobody ? static_cast<int>(k) : several;
+    }
+  return owners;
+}
+
+/// What the flow has squeezed and stretched spreads over the sphere while what is held stays.
+class Relaxation {
+ public:
+  /// freely: 0 keeps the given map's shapes of faces, 1 asks for the surface's.
+  Relaxation(const MappedSurface& given, const std::vector<char>& held, double freely)
+      : minimiser_(given.surface(), targetsOf(given, static_cast<float>(freely))) {
+    minimiser_.hold(held);
+  }
+
+  /// At most so many steps, until one leaves this share of the energy.
+  MappedSurface of(const MappedSurface& map, int steps, double until) {
+    AreaStepParameters parameters;
+    parameters.weights = {1, 1};
+    Points positions = map.positions();
+    for (int i = 0; i < steps; ++i)
+      if (minimiser_.step(parameters, positions) > until) break;
+    const std::optional<MappedSurface> relaxed = MappedSurface::ifValid(map.surface(), positions);
+    return relaxed ? *relaxed : map;
+  }
+
+ private:
+  static std::vector<FaceTarget> targetsOf(const MappedSurface& given, float freely) {
+    std::vector<FaceTarget> targets = faceTargets(given.positions(), given.faces());
+    const std::vector<FaceTarget> surface = faceTargets(given.surface().vertices(), given.faces());
+    for (size_t f = 0; f < targets.size(); ++f)
+      for (size_t k = 0; k < 3; ++k)
+        targets[f].stiffness[k] += freely * (surface[f].stiffness[k] - targets[f].stiffness[k]);
+    return targets;
+  }
+
+  AreaMinimiser minimiser_;
+};
+
 }  // namespace
 
 Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
@@ -172,15 +223,11 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
   double most = result.longestWay = look();
   requireApart(places, targets, surface.name(), names);
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
-  std::vector<char> held(static_cast<size_t>(surface.vertexCount()), 0);
-  for (const SurfacePoint& point : points)
-    for (int k = 0; k < 3; ++k) held[static_cast<size_t>(surface.faces()(point.face, k))] = 1;
-  for (; most >= exactDistance; most = look(), ++result.steps) {
-    if (result.steps == mostSteps)
-      throw AnchorError(
-          Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
+  const std::vector<int> owners = ownersOf(surface, points);
+  std::vector<char> held;
+  for (const int its : owners) held.push_back(its != nobody);
+  const auto movedBy = [&](double share) {
     std::vector<Vector3> velocities = left;
-    const double share = std::min(1.0, stepPerWidth * width / most);
     for (Vector3& velocity : velocities) velocity *= share;
     std::vector<PlaceInFace> withCorners;
     withCorners.reserve(points.size());
@@ -188,23 +235,52 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
       withCorners.push_back(most < nearEnds ? placeWithCorners(result.map, points[k])
                                             : placeAsVertex(places[k]));
     const RotationField field(withCorners, velocities, width);
+    std::vector<Vector3> turns;  // of the points' faces
+    for (size_t k = 0; k < points.size(); ++k)
+      turns.push_back(most < nearEnds ? Vector3(places[k].cross(velocities[k]))
+                                      : field.at(places[k]));
     Points moved = result.map.positions();
-    for (auto row : moved.rowwise()) {
-      const Vector3 x = row.transpose();
-      row = turned(x, field.at(x)).transpose();
+    for (Eigen::Index v = 0; v < moved.rows(); ++v) {
+      const Vector3 x = moved.row(v).transpose();
+      const int k = owners[static_cast<size_t>(v)];
+      moved.row(v) = turned(x, k >= 0 ? turns[static_cast<size_t>(k)] : field.at(x)).transpose();
     }
-    if (std::optional<MappedSurface> valid = MappedSurface::ifValid(surface, moved)) {
-      result.map = std::move(*valid);
+    return moved;
+  };
+  std::optional<Relaxation> relaxation;
+  if (result.longestWay > farAway)
+    relaxation.emplace(map, held, std::min(1.0, 2 * result.longestWay));
+  double sinceRelaxed = 0;
+  for (;; most = look(), ++result.steps) {
+    if (most < exactDistance) {
+      if (!relaxation) break;
+      result.map = relaxation->of(result.map, stepsAtEnd, 0.998);
+      relaxation.reset();  // what follows are the last bits
       continue;
     }
-    try {
-      Untangled mended = untangle(surface, moved, ringsWithHeld, {}, held);
-      result.untangledFaces += mended.repairedFaces;
-      result.map = std::move(mended.map);
-    } catch (const MapError&) {  // what moves the points as well; the next steps bring them back
-      Untangled mended = mend(surface, std::move(moved));
-      result.untangledFaces += mended.repairedFaces;
-      result.map = std::move(mended.map);
+    if (result.steps == mostSteps)
+      throw AnchorError(
+          Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
+    const double share = std::min(1.0, stepPerWidth * width / most);
+    sinceRelaxed += share * most;
+    Points moved = movedBy(share);
+    if (std::optional<MappedSurface> valid = MappedSurface::ifValid(surface, moved)) {
+      result.map = std::move(*valid);
+    } else {
+      try {
+        Untangled mended = untangle(surface, moved, ringsWithHeld, {}, held);
+        result.untangledFaces += mended.repairedFaces;
+        result.map = std::move(mended.map);
+      } catch (const MapError&) {  // what moves the points, too; the next steps bring them back
+        Untangled mended = mend(surface, std::move(moved));
+        result.untangledFaces += mended.repairedFaces;
+        result.map = std::move(mended.map);
+        sinceRelaxed = betweenRelaxations;
+      }
+    }
+    if (relaxation && sinceRelaxed >= betweenRelaxations) {
+      result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
+      sinceRelaxed = 0;
     }
   }
   return result;

@@ -7,10 +7,17 @@
 /// Here they need no base mesh: the map flows along v(x) = w(x) x x, w = sum_k K(x, p_k) w_k, a
 /// field of rotations about the centre with a Gaussian K of chordal width h, p_k the places of the
 /// points. The w_k are tangent at p_k and such that p_k sets out along the great circle to its
-/// target; within 1e-3 radians of it, p_k as interpolated from corners that move with v. The flow
-/// of a smooth field folds nothing; its steps, of at most 0.15 h, are looked at one by one, and
-/// faces that flip are untangled at once, the corners of the points' faces held. h is twice the
-/// longest way, within 0.12 and 0.6.
+/// target; within 1e-3 radians of it, p_k as interpolated from corners that move with v. The
+/// corners of a point's face go with it, each face as it is. The flow of a smooth field folds
+/// nothing; its steps, of at most 0.15 h, are looked at one by one, and faces that flip are
+/// untangled at once, the corners of the points' faces held. h is twice the longest way, within
+/// 0.12 and 0.6.
+///
+/// Where the longest way w is beyond 0.15 radians, what the flow squeezes and stretches is spread
+/// over the sphere, every 0.3 radians and in the end: with what is held in place, the energy of
+/// area_energy.h is lowered, both weights 1, towards the given map's areas and towards shapes of
+/// faces between the given map's and, the more the farther (a share of 2 w, at most 1), the
+/// surface's: so far a move leaves little of the given map to be kept.
 
 #include <string>
 #include <vector>
