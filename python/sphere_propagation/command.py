@@ -52,6 +52,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     words = list(map(str, sys.argv[1:] if arguments is None else arguments))
     options = parser().parse_args(_with_parents(words), argparse.Namespace(command=words))
     shown: List[progress.Lines] = []
+    output = Path(getattr(options, "output", None) or getattr(options, "folder", None) or ".")
+    was_there = output.exists()
 
     def make_progress(steps: int) -> progress.Lines:
         shown.append(progress.for_stream(steps))
@@ -79,6 +81,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     finally:
         for lines in shown:
             lines.close()
+    if not was_there and output.is_dir() and not any(output.iterdir()):
+        output.rmdir()  # the run made it, and then failed
     print(text, file=sys.stderr)
     return code
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_propagation as sp
-from sphere_propagation import command, flags, model_pictures, pictures, plugin, progress
+from sphere_propagation import command, files, flags, model_pictures, pictures, plugin, progress
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
 FRAME = r'<iframe [^>]*data-page="([^"]+)"'  # the report's explorer
@@ -572,3 +572,14 @@ def test_flags_are_options_and_paths_are_left_alone():
     for text in ("a/mirror_layers/x.ply", "mirror_layers.ply", "my_voxel_size", "C:\\voxel_size"):
         assert flags.by_flags(text) == text
     assert flags.by_flags('with align_slices ("Align slices").') == "with --align-slices."
+
+
+def test_a_run_that_fails_leaves_no_empty_folder(cycle, tmp_path, capsys):
+    files.write_ply(tmp_path / "a.ply", cycle.surfaces[0].vertices, cycle.surfaces[0].faces)
+    files.write_ply(tmp_path / "b.ply", cycle.surfaces[1].vertices, cycle.surfaces[1].faces[1:])
+    words = ["run", str(tmp_path / "a.ply"), str(tmp_path / "b.ply"), "--no-pictures", "-o"]
+    assert command.main([*words, str(tmp_path / "results")]) == 1
+    assert not (tmp_path / "results").exists()
+    (tmp_path / "there").mkdir()
+    assert command.main([*words, str(tmp_path / "there")]) == 1
+    assert (tmp_path / "there").is_dir()
