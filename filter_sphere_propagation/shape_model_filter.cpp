@@ -25,6 +25,7 @@
 #include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
+#include "vcg_ext/model/named_landmarks.h"
 #include "vcg_ext/model/outliers.h"
 #include "vcg_ext/model/procrustes.h"
 #include "vcg_ext/model/shape_model.h"
@@ -122,22 +123,26 @@ struct Shapes {
   std::vector<AnchorSet> anchors;  // of each shape
 };
 
-/// Of a landmark layer: its own, those of the surface that it was made of, or in files beside
-/// either.
-AnchorSet anchorsOf(const host::Task& task, const host::Layer& layer, const host::Layer* surface) {
+/// Of a landmark layer: its own, those of the surface that it was made of, or, where they are asked
+/// for, in files beside either.
+AnchorSet anchorsOf(const host::Task& task, const host::Layer& layer, const host::Layer* surface,
+                    bool inFiles) {
   AnchorSet anchors = layer.anchors();
   if (anchors.empty() && surface) anchors = surface->anchors();
+  if (!inFiles) return anchors;
   if (anchors.empty() && surface) anchors = anchorsBeside(task, *surface, AnchorFrame::World);
   if (anchors.empty()) anchors = anchorsBeside(task, layer, AnchorFrame::World);
   return anchors;
 }
 
-std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<host::Layer>& layers) {
+std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<host::Layer>& layers,
+                                 bool inFiles) {
   const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
   const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
   std::vector<AnchorSet> anchors;
   for (size_t i = 0; i < layers.size(); ++i)
-    anchors.push_back(anchorsOf(task, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr));
+    anchors.push_back(
+        anchorsOf(task, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr, inFiles));
   return anchors;
 }
 
@@ -157,7 +162,7 @@ std::vector<Points> inRows(const std::vector<AnchorSet>& anchors) {
 /// The visible landmark layers as shapes that correspond. They are taken as points: their faces are
 /// the icosphere's, and which way these look tells a mirror image, which is named later, but no
 /// fault of a layer.
-Shapes shapesOf(const host::Task& task, LidRule rule, bool withAnchors) {
+Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(layers);
@@ -185,7 +190,7 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool withAnchors) {
     task.sayNaming(mirrored, messages::matrixMirrors, namesIn(mirrored));
   shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
   return {withoutLids(task, std::move(set), shapesWithLid, rule),
-          withAnchors ? anchorsOf(task, layers) : std::vector<AnchorSet>{}};
+          anchorsOf(task, layers, anchorsInFiles)};
 }
 
 void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {
@@ -340,7 +345,8 @@ class ShapeModelFilter : public host::Filter {
     const Eigen::Index most = modesWanted > 0 ? modesWanted : given.shapeCount();
     const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon(), most,
                                            part(task.progress, 0.3, 0.5));
-    const ShapeModel model = all.truncated(most);
+    ShapeModel model = all.truncated(most);
+    model.landmarkNames = namedLandmarks(given, shapes.anchors);
     const ModelMeasures measures =
         measureModel(all, model.modeCount(), measureParameters, part(task.progress, 0.5, 0.9));
 
@@ -370,6 +376,10 @@ class ShapeModelFilter : public host::Filter {
       task.log(
           "written: " + written.front() +
           (written.size() > 1 ? ", and " + written[1] + " to " + written.back() : std::string()));
+      if (!model.landmarkNames.empty())
+        task.log(counted(static_cast<Eigen::Index>(model.landmarkNames.size()), "landmark has",
+                         "landmarks have") +
+                 " the name of an anchor");
     } else {
       task.say(messages::notExported);
     }

@@ -13,6 +13,7 @@
 #include "tests/core/test_shapes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/model/export/model_export.h"
+#include "vcg_ext/model/named_landmarks.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -55,6 +56,30 @@ class ModelFile : public testing::Test {
 
   std::filesystem::path folder_;
 };
+
+TEST_F(ModelFile, NamesOfLandmarksComeBack) {
+  ShapeModel model = buildShapeModel(trainingSet(ellipsoids(4, 1), ellipsoidFaces()));
+  model.landmarkNames = {{"apex", 3}, {"Z\xC3\xA4hn \xE2\x82\xAC \xF0\x9F\xAB\x80", 0}};
+  exportModel(path("named.npz"), model, trainingSet(ellipsoids(4, 1), ellipsoidFaces()));
+  EXPECT_EQ(readModel(path("named.npz")).landmarkNames, model.landmarkNames);
+  model.landmarkNames = {{"cut \xC3", 1}};  // no UTF-8
+  exportModel(path("named.npz"), model, trainingSet(ellipsoids(4, 1), ellipsoidFaces()));
+  EXPECT_EQ(readModel(path("named.npz")).landmarkNames.begin()->first, "cut \xEF\xBF\xBD");
+}
+
+TEST(NamedLandmarks, AreThoseWherePointsLie) {
+  const TrainingSet set = trainingSet(ellipsoids(3, 1), ellipsoidFaces());
+  const auto at = [&](size_t shape, Eigen::Index landmark) -> Vector3 {
+    return set.shapes()[shape].landmarks.row(landmark).transpose();
+  };
+  const Vector3 near(1e-7, 0, 0), off(1e-2, 0, 0);
+  const std::map<std::string, Eigen::Index> named =
+      namedLandmarks(set, {{{"on all", at(0, 5)}, {"on one", at(0, 7)}, {"two", at(0, 1)}},
+                           {{"on all", at(1, 5) + near}, {"on one", at(1, 7) + off}},
+                           {{"two", at(2, 2)}, {"nowhere", at(2, 4) + off}}});
+  EXPECT_EQ(named, (std::map<std::string, Eigen::Index>{{"on all", 5}, {"on one", 7}}));
+  EXPECT_THROW(namedLandmarks(set, {}), ArgumentError);
+}
 
 TEST_F(ModelFile, IsReadAsItWasWritten) {
   const ShapeModel model = exported(path("m.npz")), read = readModel(path("m.npz"));

@@ -190,7 +190,7 @@ def test_propagation_heeds_anchors_and_says_what_became_of_them():
     assert error[1] < error[0]
 
 
-def test_anchors_become_landmarks_on_every_layer():
+def test_anchors_become_landmarks_on_every_layer(tmp_path):
     ms = turning()
     former = positions(ms.mesh(0))
     returned = ms.apply_filter(PROPAGATE, anchors="Exact", anchor_snap=True)
@@ -204,6 +204,10 @@ def test_anchors_become_landmarks_on_every_layer():
         points = ms.mesh(3 + i).vertex_matrix()[landmarks]
         vertices = ms.mesh(i).vertex_matrix()
         assert np.allclose(points, vertices[[100, 230, 400, 5]], atol=1e-9)
+    ms.apply_filter(MODEL, export_file=str(tmp_path / "model.npz"))
+    with np.load(tmp_path / "model.npz") as model:  # whose landmarks have the anchors' names
+        assert model["anchor_landmarks"].tolist() == landmarks.tolist()
+        assert len(set(model["anchor_names"].tolist())) == 4
     assert np.array_equal(
         turning().apply_filter(PROPAGATE, anchors="Exact", anchor_snap=True)["anchor_landmark"],
         returned["anchor_landmark"],

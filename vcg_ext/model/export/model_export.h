@@ -19,7 +19,7 @@ void requireExportable(const std::string& path);
 /// Writes the model; the ending (in any case) chooses the format:
 ///
 /// - .npz: NumPy: mean N x 3, modes M x N x 3, eigenvalues M, scores K x M (doubles), faces F x 3
-///   (ints)
+///   (ints), lid; where landmarks have names, anchor_names (texts) and anchor_landmarks
 /// - .h5: statismo's layout as HDF5, 32-bit floats: for statismo, scalismo and whatever reads HDF5
 /// - .json: the same as HDF5/JSON, which scalismo reads
 /// - .particles: ShapeWorks: the mean, and beside it one file per shape, NAME_000.particles and so

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/export/npz_archive.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -29,6 +30,27 @@ std::uint32_t crc32(const std::string& bytes) {
   return crc ^ 0xffffffffu;
 }
 
+constexpr std::uint32_t noCharacter = 0xFFFD;
+
+/// The characters of a text in UTF-8.
+std::vector<std::uint32_t> charactersOf(const std::string& text) {
+  std::vector<std::uint32_t> characters;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto first = static_cast<unsigned char>(text[i++]);
+    if (first < 0x80) {
+      characters.push_back(first);
+      continue;
+    }
+    const int more = first < 0xC2 ? 0 : first < 0xE0 ? 1 : first < 0xF0 ? 2 : first < 0xF5 ? 3 : 0;
+    std::uint32_t character = first & (0x3FU >> static_cast<unsigned>(more));
+    int read = 0;
+    for (; read < more && i < text.size() && (text[i] & 0xC0) == 0x80; ++read)
+      character = character << 6 | (static_cast<unsigned char>(text[i++]) & 0x3FU);
+    characters.push_back(more > 0 && read == more ? character : noCharacter);
+  }
+  return characters;
+}
+
 }  // namespace
 
 void NpzArchive::addFaces(const std::string& name, const Triangles& faces) {
@@ -44,6 +66,27 @@ void NpzArchive::addMarks(const std::string& name, const std::vector<char>& mark
   addMember(name, bytes.str());
 }
 
+void NpzArchive::addNumbers(const std::string& name, const std::vector<std::int64_t>& numbers) {
+  Bytes bytes = header("<i8", {static_cast<Eigen::Index>(numbers.size())});
+  for (const std::int64_t number : numbers) bytes.put(static_cast<std::uint64_t>(number), 8);
+  addMember(name, bytes.str());
+}
+
+void NpzArchive::addTexts(const std::string& name, const std::vector<std::string>& texts) {
+  std::vector<std::vector<std::uint32_t>> all;
+  std::size_t longest = 1;
+  for (const std::string& text : texts) {
+    all.push_back(charactersOf(text));
+    longest = std::max(longest, all.back().size());
+  }
+  Bytes bytes = header("<U" + std::to_string(longest), {static_cast<Eigen::Index>(texts.size())});
+  for (std::vector<std::uint32_t>& characters : all) {
+    characters.resize(longest, 0);
+    for (const std::uint32_t character : characters) bytes.put(character, 4);
+  }
+  addMember(name, bytes.str());
+}
+
 std::string NpzArchive::finished() && {
   const std::size_t start = bytes_.size();
   bytes_.put(directory_.str());
@@ -55,7 +98,7 @@ std::string NpzArchive::finished() && {
   return std::move(bytes_).str();
 }
 
-/// An .npy array of this type ("<f8", "<i4") and shape, without its values.
+/// An .npy array of this type ("<f8", "<i4", "<U5") and shape, without its values.
 Bytes NpzArchive::header(const std::string& type, const Shape& shape) {
   std::string dictionary = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (";
   for (const Eigen::Index extent : shape) dictionary += std::to_string(extent) + ", ";

@@ -30,6 +30,9 @@ class NpzArchive {
   }
   void addFaces(const std::string& name, const Triangles& faces);
   void addMarks(const std::string& name, const std::vector<char>& marks);
+  void addNumbers(const std::string& name, const std::vector<std::int64_t>& numbers);
+  /// texts: UTF-8; what is none becomes U+FFFD.
+  void addTexts(const std::string& name, const std::vector<std::string>& texts);
 
   std::string finished() &&;
 

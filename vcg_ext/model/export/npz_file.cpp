@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include <algorithm>
+#include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,16 @@ std::string npzFile(const ShapeModel& model) {
   std::vector<char> lid = model.leftOut;
   lid.resize(std::max(lid.size(), static_cast<std::size_t>(landmarks)), 0);
   archive.addMarks("lid", lid);
+  if (!model.landmarkNames.empty()) {
+    std::vector<std::string> names;
+    std::vector<std::int64_t> numbers;
+    for (const auto& [name, landmark] : model.landmarkNames) {
+      names.push_back(name);
+      numbers.push_back(landmark);
+    }
+    archive.addTexts("anchor_names", names);
+    archive.addNumbers("anchor_landmarks", numbers);
+  }
   return std::move(archive).finished();
 }
 
