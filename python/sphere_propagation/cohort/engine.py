@@ -98,7 +98,8 @@ def command(
 ) -> List[str]:
     """Snakemake's command line, for a study's folder to be run in."""
     step = shlex.join([sys.executable, "-m", "sphere_propagation.cohort"])
-    threads = min(cores or 8, 8)
+    # Of a cluster's nodes nobody knows how many they have; what none has would wait for ever.
+    threads = min(cores, 8) if cores and not profile else 2
     words = [
         sys.executable,
         "-m",
