@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -174,6 +175,20 @@ TEST(Untangling, RefusesAMapThatCoversTheSphereTwice) {
     positions.row(2 + i) << std::cos(i * std::acos(0.0)), std::sin(i * std::acos(0.0)), 0;
   ASSERT_EQ(certify(mesh.faces, positions).flippedFaces, 0);
   EXPECT_THROW(untangle(surface, positions), MapError);
+}
+
+/// A cap that was turned as a whole: only its rim is folded. What lies farther inside and outside
+/// is not given up for that.
+TEST(Mending, LeavesWhatLiesFarFromFoldsWhereItIs) {
+  const test::Mesh mesh = test::icosphereMesh(24);
+  const Vector3 centre = Vector3(0.3, 0.2, 1).normalized();
+  const Eigen::AngleAxisd turn(0.3, centre.cross(Vector3::UnitX()).normalized());
+  Points positions = mesh.vertices;
+  for (auto x : positions.rowwise())
+    if (x.dot(centre.transpose()) > std::cos(0.4)) x = (turn * Vector3(x.transpose())).transpose();
+  const Untangled mended = mend(ClosedSurface(mesh.vertices, mesh.faces, "ball"), positions);
+  EXPECT_EQ(certify(mesh.faces, mended.map.positions()).flippedFaces, 0);
+  EXPECT_LT(mended.movedVertices, 400);  // with patches of twelve rings 497
 }
 
 }  // namespace

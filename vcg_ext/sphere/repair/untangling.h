@@ -32,7 +32,7 @@ Untangled untangle(const ClosedSurface& surface, Points positions,
                    int maxRings = std::numeric_limits<int>::max(), const Progress& progress = {},
                    const std::vector<char>& held = {});
 
-/// untangle with up to 12 rings; where the folds are no local matter, the map near the positions
+/// untangle with up to 5 rings; where the folds are no local matter, the map near the positions
 /// that is made from coarse to fine (nearby_map.h), which always is one. Throws MapError when there
 /// is no room for a vertex.
 Untangled mend(const ClosedSurface& surface, Points positions, const Progress& progress = {});
