@@ -460,8 +460,10 @@ class PropagationFilter : public host::Filter {
     if (propagated.pose.moved)
       task.sayOf(layer, messages::anotherPose, propagated.pose.shift, propagated.pose.angle);
     const double edges = residualInEdges(mesh, propagated);
-    if (edges > maxEdgesApart || propagated.residualStandsOut)
+    if (edges > maxEdgesApart)
       task.sayOf(layer, messages::farOff, edges);
+    else if (propagated.residualStandsOut)
+      task.sayOf(layer, messages::fartherThanOthers, edges);
   }
 
   /// What was found of left and right, besides what was reflected.
@@ -614,7 +616,10 @@ class PropagationFilter : public host::Filter {
       residualP95[row] = layer.transferred.residual.p95;
       repairedFaces[row] = layer.transferred.repairedFaces;
       route[row] = static_cast<double>(layer.route);
-      distant[row] = residualInEdges(participants.meshes[i], layer) > maxEdgesApart ? 1 : 0;
+      distant[row] =
+          layer.residualStandsOut || residualInEdges(participants.meshes[i], layer) > maxEdgesApart
+              ? 1
+              : 0;
       std::string line =
           describeMap(participants.layers[i].label(), participants.meshes[i].surface, measures);
       if (isRoot) {

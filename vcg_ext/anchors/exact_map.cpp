@@ -19,7 +19,7 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWidth = 0.15;
-constexpr int mostSteps = 120, ringsWithHeld = 12, stepsOnTheWay = 4, stepsAtEnd = 20;
+constexpr int mostSteps = 240, ringsWithHeld = 12, stepsOnTheWay = 4, stepsAtEnd = 20;
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
