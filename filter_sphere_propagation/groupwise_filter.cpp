@@ -28,6 +28,8 @@ Eigen::VectorXd vectorOf(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+constexpr double trusted = 0.5;  // below this, a shape is named
+
 /// The maps that are optimised together belong together, and to no others any more.
 int markOf(const Groupwise& optimised) {
   Fingerprint print;
@@ -86,7 +88,7 @@ class GroupwiseFilter : public host::Filter {
     const auto entries = static_cast<Eigen::Index>(count);
     const int mark = markOf(optimised);
     MapFigures figures(count);
-    Eigen::VectorXd move(entries), residual(entries), repaired(entries);
+    Eigen::VectorXd move(entries), residual(entries), repaired(entries), trust(entries);
     for (size_t i = 0; i < count; ++i) {
       const host::Layer& layer = layers[i].layer;
       const GroupwiseShape& shape = optimised.shapes[i];
@@ -94,6 +96,7 @@ class GroupwiseFilter : public host::Filter {
       move[row] = shape.tangentialMove;
       residual[row] = shape.modelResidual;
       repaired[row] = shape.repairedFaces;
+      trust[row] = shape.trust;
       const MapMeasures measures = measureMap(layers[i].mesh.surface, shape.map.positions());
       if (const auto note = task.changes.setMap(layer, layers[i].mesh, shape.map, mark))
         task.tell(*note);
@@ -103,6 +106,7 @@ class GroupwiseFilter : public host::Filter {
                shortNumber(shape.modelResidual) + " from the model");
       if (shape.followedShare < 1)
         task.sayOf(layer, messages::mapNotFollowed, 100 * shape.followedShare);
+      if (shape.trust < trusted) task.sayOf(layer, messages::shapeNotCommon, 100 * shape.trust);
       figures.set(i, measures, stopwatch.seconds() / static_cast<double>(count));
     }
     std::string moves;
@@ -125,6 +129,7 @@ class GroupwiseFilter : public host::Filter {
         {"tangential_move", move},
         {"model_residual", residual},
         {"repaired_faces", repaired},
+        {"trust", trust},
         {"move_by_iteration", vectorOf(optimised.moves)},
         {"total_variance",
          Eigen::VectorXd(Eigen::Vector2d(optimised.varianceBefore, optimised.varianceAfter))},

@@ -162,8 +162,9 @@ class Optimisation:
 
     figures: tangential_move (how far landmarks moved along the surface, on average, in its unit),
     model_residual (root mean square of the distance along the normal between landmarks and where
-    the population's model expects them), repaired_faces, flipped_faces, area_ratio_sd,
-    area_log_mean, angle_error_mean (degrees), seconds.
+    the population's model expects them), repaired_faces, trust (how much the surface counted in
+    what was learnt, 1 or less where its shape does not belong to the others), flipped_faces,
+    area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds.
     move_by_iteration: how far landmarks still were from where they were expected.
     total_variance: of the aligned landmarks, before and after.
     surface_precision: the one that was used.

@@ -332,6 +332,65 @@ TEST(Groupwise, RecoversAKnownWarp) {
   }
 }
 
+/// A body that is none of the family: three limbs.
+MappedSurface stranger() {
+  const Mesh sphere = test::icosphereMesh(12);
+  Points body = sphere.vertices;
+  for (auto x : body.rowwise()) {
+    const double reach = x.maxCoeff();
+    x *= 9 * (0.6 + std::pow(std::max(reach, 0.0), 8));
+  }
+  return {ClosedSurface(body, sphere.faces), sphere.vertices};
+}
+
+/// As sphere.vertices lie on it, but for the reflection: places correspond, but for side.
+MappedSurface mirrored(const MappedSurface& map) {
+  Points body = map.surface().vertices();
+  body.col(1) *= -1;
+  Triangles faces = map.faces();
+  faces.col(1).swap(faces.col(2));
+  Points positions = map.positions();
+  positions.col(1) *= -1;
+  return {ClosedSurface(body, faces), positions};
+}
+
+TEST(Groupwise, ShapesThatDoNotBelongMoveTheOthersHardly) {
+  const Family family(9);
+  const std::vector<MappedSurface> warped = family.mapped(0.25);
+  ThreadPool pool(2);
+  GroupwiseParameters parameters;
+  parameters.iterations = 4;
+  const double alone = family.error(mapsOf(optimiseGroupwise(warped, pool, parameters)));
+  std::vector<MappedSurface> all = warped;
+  all.push_back(mirrored(warped[4]));
+  all.push_back(stranger());
+  all.push_back(stranger());
+  const Groupwise found = optimiseGroupwise(all, pool, parameters);
+  std::vector<MappedSurface> members = mapsOf(found);
+  members.resize(warped.size(), members.front());
+  EXPECT_LT(family.error(members), 1.08 * alone);
+  for (size_t k = 0; k < warped.size(); ++k) EXPECT_GT(found.shapes[k].trust, 0.6) << k;
+  for (const size_t k : {all.size() - 2, all.size() - 1}) EXPECT_LT(found.shapes[k].trust, 0.2);
+}
+
+TEST(Groupwise, TrustsFewShapesAndThoseOfAnyVariance) {
+  ThreadPool pool(1);
+  GroupwiseParameters parameters;
+  parameters.iterations = 2;
+  for (const GroupwiseShape& shape :
+       optimiseGroupwise({Family(1).mapped(0)[0], stranger(), stranger()}, pool, parameters).shapes)
+    EXPECT_EQ(shape.trust, 1);
+  for (const unsigned seed : {1U, 2U})
+    for (const GroupwiseShape& shape :
+         optimiseGroupwise(Family(10, seed).mapped(0.1), pool, parameters).shapes)
+      EXPECT_GT(shape.trust, 0.6);
+  EXPECT_EQ(trustIn(1, 2), 1);
+  EXPECT_DOUBLE_EQ(trustIn(3, 2), 0.5);
+  EXPECT_EQ(trustIn(5, 2), 0);
+  EXPECT_EQ(trustIn(0, 0), 1);
+  EXPECT_EQ(trustIn(1, 0), 0);
+}
+
 TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
   const Family family(6);
   ThreadPool pool(1);

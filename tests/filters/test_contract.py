@@ -161,6 +161,7 @@ RETURNED = {
         "tangential_move",
         "model_residual",
         "repaired_faces",
+        "trust",
         "move_by_iteration",
         "total_variance",
         "surface_precision",

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Maps of a population, optimised together: through PyMeshLab."""
 
+import json
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -35,12 +37,33 @@ def eggs():
     return [(m.vertex_matrix(), m.face_matrix(), positions(m).copy()) for m in ms]
 
 
+def said(returned):
+    """(layer, message) of each warning."""
+    remarks = json.loads(bytes(map(int, returned["warnings"])).decode())
+    return [(remark["layer"], remark["message"]) for remark in remarks]
+
+
 def project(eggs):
     ms = pymeshlab.MeshSet()
     for k, (v, f, s) in enumerate(eggs):
         add(ms, v, f, f"egg {k}")
         ms.current_mesh().add_vertex_custom_point_attribute(s, "sphere_position")
     return ms
+
+
+def test_a_shape_that_does_not_belong_is_named(eggs):
+    v, f = egg()
+    more = [(v * [1 + a, 1 - a, 1], f, eggs[0][2]) for a in (-0.1, -0.05, 0.05, 0.1)]
+    ms = project(eggs + more)
+    x, y = v[:, 0], v[:, 1]
+    wave = 0.6 + 0.8 * np.cos(3 * np.arctan2(y, x)) * np.hypot(x, y) / np.abs(v).max()
+    odd = v * wave[:, None]
+    add(ms, odd, f, "odd one")
+    ms.current_mesh().add_vertex_custom_point_attribute(eggs[0][2], "sphere_position")
+    found = ms.apply_filter(GROUPWISE, iterations=3)
+    assert ("odd one", "shapeNotCommon") in said(found)
+    assert found["trust"][-1] < 0.5 and (found["trust"][:-1] > 0.6).all()
+    assert found["flipped_faces"].sum() == 0
 
 
 @pytest.mark.parametrize("objective", ["Population model", "Description length"])

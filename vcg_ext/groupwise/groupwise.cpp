@@ -118,8 +118,9 @@ double rootMeanSquare(const Points& rows, const Eigen::VectorXd& weights) {
   return std::sqrt(rows.rowwise().squaredNorm().dot(weights));
 }
 
-/// The model is learnt, and the landmarks flow to where it expects them. Returns how far they were.
-double improveByModel(Population& population, const PopulationPose& pose,
+/// The model is learnt, and the landmarks flow to where it expects them. Returns how far they were;
+/// the pose gets the trust that was found.
+double improveByModel(Population& population, PopulationPose& pose,
                       const std::shared_ptr<const SphereFields>& fields,
                       const PopulationModelParameters& parameters, ThreadPool& pool,
                       Eigen::VectorXd& residuals) {
@@ -129,6 +130,8 @@ double improveByModel(Population& population, const PopulationPose& pose,
       pool.makeEach(count, [&](int k) -> Points { return population.normals(pose, k); });
   const PopulationFit fit = fitPopulation(pose, normals, parameters, pool);
   residuals = fit.residuals;
+  pose.trust = fit.trust;
+  const double trusted = fit.trust.sum();
   double far = 0;
   for (int flow = 0; flow < flowsAnIteration; ++flow) {
     std::vector<Points> gaps = pool.makeEach(count, [&](int k) -> Points {
@@ -141,7 +144,7 @@ double improveByModel(Population& population, const PopulationPose& pose,
     });
     // What all have in common says nothing: without this landmarks drift.
     Points common = Points::Zero(pose.mean.rows(), 3);
-    for (const Points& gap : gaps) common += gap / static_cast<double>(count);
+    for (int k = 0; k < count; ++k) common += fit.trust[k] / trusted * gaps[static_cast<size_t>(k)];
     std::vector<double> moves(gaps.size());
     pool.forEach(count, [&](int k) {
       const auto i = static_cast<size_t>(k);
@@ -257,7 +260,7 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     const Eigen::VectorXd moved = (last[i] - first[i]).rowwise().norm();
     result.shapes.push_back({maps[i].map.of(surfaces[i].surface()),
                              radius * moved.dot(pose.weights), radius * residuals[k],
-                             maps[i].repairedFaces, maps[i].share});
+                             maps[i].repairedFaces, maps[i].share, pose.trust[k]});
   }
   report(progress, 1);
   return result;

@@ -50,6 +50,8 @@ struct GroupwiseShape {
                               ///< landmarks and where the model expects them
   int repairedFaces = 0;      ///< faces that were flipped before the repair
   double followedShare = 1;   ///< of the flows that the map could follow
+  double trust = 1;           ///< how much it counted for what all have in common, 0 to 1: little
+                              ///< where its shape does not belong to the others
 };
 
 struct Groupwise {

@@ -4,11 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/base/rotation.h"
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/vertex_locator.h"
 
@@ -34,6 +36,9 @@ constexpr double turnCost = 1;
 /// How much more may shapes differ along the normals, in squares, as they lie than as Procrustes
 /// alignment lays them?
 constexpr double frameShare = 1.5;
+/// So far off the mean, times three quarters of the shapes, shapes begin to be doubted.
+constexpr double twice = 2;
+constexpr int doubts = 2;  // how often: strangers hide each other in the first mean
 
 Eigen::RowVector3d centreOf(const Points& points, const Eigen::VectorXd& weights) {
   return weights.transpose() * points;
@@ -93,13 +98,13 @@ double moveTowards(const VertexLocator& mean, const Eigen::VectorXd& weights, co
   return angle + step.segment<3>(3).norm() / size + std::fabs(step[6]);
 }
 
-/// How far surfaces lie from the mean's, wherever their landmarks are: squared, along the normals,
-/// from its nearest landmarks.
-double distanceFromMean(const PopulationPose& pose, const std::vector<Points>& normals,
-                        ThreadPool& pool) {
+/// How far each surface lies from the mean's, wherever their landmarks are: squared, along the
+/// normals, from its nearest landmarks.
+std::vector<double> distancesFromMean(const PopulationPose& pose,
+                                      const std::vector<Points>& normals, ThreadPool& pool) {
   const auto count = static_cast<int>(pose.shapes.size());
   const VertexLocator mean(pose.mean);
-  const std::vector<double> each = pool.makeEach(count, [&](int k) {
+  return pool.makeEach(count, [&](int k) {
     const auto i = static_cast<size_t>(k);
     double sum = 0;
     for (Eigen::Index j = 0; j < pose.mean.rows(); ++j) {
@@ -110,21 +115,47 @@ double distanceFromMean(const PopulationPose& pose, const std::vector<Points>& n
     }
     return sum;
   });
-  return std::accumulate(each.begin(), each.end(), 0.0);
 }
 
-Points averageOf(const std::vector<Points>& shapes) {
+/// Of squares; none counts for more than what is beyond doubt, so that one stranger, which fits
+/// nowhere, does not decide for all.
+double sumWithinDoubt(const std::vector<double>& squares) {
+  const double most = static_cast<int>(squares.size()) < minTrustedShapes
+                          ? std::numeric_limits<double>::infinity()
+                          : twice * twice * lowerQuantileOf(squares, 0.75);
+  double sum = 0;
+  for (const double square : squares) sum += std::min(square, most);
+  return sum;
+}
+
+/// Of the shapes, those count that are trusted.
+Points averageOf(const std::vector<Points>& shapes, const Eigen::VectorXd& trust) {
   Points sum = Points::Zero(shapes.front().rows(), 3);
-  for (const Points& shape : shapes) sum += shape;
-  return sum / static_cast<double>(shapes.size());
+  for (size_t k = 0; k < shapes.size(); ++k) sum += trust[static_cast<Eigen::Index>(k)] * shapes[k];
+  return sum / trust.sum();
+}
+
+Eigen::VectorXd averageAreas(const std::vector<Points>& shapes, const Triangles& faces,
+                             const Eigen::VectorXd& trust) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(shapes.front().rows());
+  for (size_t k = 0; k < shapes.size(); ++k)
+    areas += trust[static_cast<Eigen::Index>(k)] * vertexAreas(shapes[k], faces);
+  return areas / areas.sum();
 }
 
 }  // namespace
 
+double trustIn(double distance, double full) {
+  if (!(distance > full)) return 1;
+  return full > 0 ? std::max(0.0, 2 - distance / full) : 0;
+}
+
 double PopulationPose::variance() const {
   double sum = 0;
-  for (const Points& shape : shapes) sum += (shape - mean).rowwise().squaredNorm().dot(weights);
-  return sum / static_cast<double>(shapes.size());
+  for (size_t k = 0; k < shapes.size(); ++k)
+    sum += trust[static_cast<Eigen::Index>(k)] *
+           (shapes[k] - mean).rowwise().squaredNorm().dot(weights);
+  return sum / trust.sum();
 }
 
 PopulationPose poseOf(const std::vector<Points>& landmarks, const Triangles& faces,
@@ -140,21 +171,26 @@ PopulationPose poseOf(const std::vector<Points>& landmarks, const Triangles& fac
   Aligned aligned = alignShapes(TrainingSet(std::move(named), faces), parameters);
   PopulationPose pose;
   pose.mean = std::move(aligned.mean);
-  pose.weights = Eigen::VectorXd::Zero(pose.mean.rows());
   for (size_t k = 0; k < landmarks.size(); ++k) {
     const Points& shape = aligned.shapes.shapes()[k].landmarks;
     pose.turns.push_back(turnOf(landmarks[k], shape, alignment));
-    pose.weights += vertexAreas(shape, faces);
     pose.shapes.push_back(shape);
   }
-  pose.weights /= pose.weights.sum();
+  pose.trust = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(landmarks.size()));
+  pose.weights = averageAreas(pose.shapes, faces, pose.trust);
   return pose;
 }
 
 PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
                               const std::vector<Points>& normals, const Triangles& faces,
                               Alignment alignment, const PopulationPose& from, ThreadPool& pool) {
-  if (alignment == Alignment::None) return poseOf(landmarks, faces, alignment);
+  if (alignment == Alignment::None) {
+    PopulationPose pose = poseOf(landmarks, faces, alignment);
+    pose.trust = from.trust;
+    pose.weights = averageAreas(pose.shapes, faces, pose.trust);
+    pose.mean = averageOf(pose.shapes, pose.trust);
+    return pose;
+  }
   const bool scaled = alignment == Alignment::Similarity;
   const auto count = static_cast<int>(landmarks.size());
   std::vector<MovingShape> shapes(landmarks.size());
@@ -165,9 +201,12 @@ PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
                        (centreOf(from.shapes[k], from.weights) - centreOf(turned, from.weights));
   }
   PopulationPose pose;
+  pose.trust = from.trust;
+  const double trusted = pose.trust.sum();
   const auto look = [&] {
     pose.mean = Points::Zero(landmarks.front().rows(), 3);
-    for (const MovingShape& shape : shapes) pose.mean += shape.points / count;
+    for (size_t k = 0; k < shapes.size(); ++k)
+      pose.mean += pose.trust[static_cast<Eigen::Index>(k)] / trusted * shapes[k].points;
   };
   const auto enlarge = [&](double unit) {
     for (MovingShape& shape : shapes) {
@@ -197,33 +236,56 @@ PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
   const Eigen::Matrix3d back = bestRotation(shapes.front().turn.transpose());
   const Eigen::RowVector3d centre = centreOf(shapes.front().points, pose.weights),
                            there = centreOf(landmarks.front(), pose.weights);
-  pose.weights.setZero();
   for (const MovingShape& shape : shapes) {
     pose.shapes.emplace_back(((shape.points.rowwise() - centre) * back.transpose()).rowwise() +
                              there);
     pose.turns.emplace_back(back * shape.turn);
-    pose.weights += vertexAreas(pose.shapes.back(), faces);
   }
-  pose.weights /= pose.weights.sum();
-  pose.mean = averageOf(pose.shapes);
+  pose.weights = averageAreas(pose.shapes, faces, pose.trust);
+  pose.mean = averageOf(pose.shapes, pose.trust);
   return pose;
 }
 
+namespace {
+
+struct DoubtedPose {
+  PopulationPose pose;
+  std::vector<double> squares;  // of the distances from its mean
+};
+
+/// Whom to trust, and the pose again where that is not everyone.
+DoubtedPose doubted(PopulationPose pose, const std::vector<Points>& landmarks,
+                    const std::vector<Points>& normals, const Triangles& faces, Alignment alignment,
+                    ThreadPool& pool) {
+  const auto count = static_cast<int>(landmarks.size());
+  std::vector<double> squares = distancesFromMean(pose, normals, pool);
+  for (int time = 0; time < doubts && count >= minTrustedShapes; ++time) {
+    const double usual = std::sqrt(lowerQuantileOf(squares, 0.75));
+    for (int k = 0; k < count; ++k)
+      pose.trust[k] = trustIn(std::sqrt(squares[static_cast<size_t>(k)]), twice * usual);
+    if (pose.trust.minCoeff() == 1) break;
+    pose = poseBySurfaces(landmarks, normals, faces, alignment, pose, pool);
+    squares = distancesFromMean(pose, normals, pool);
+  }
+  return {std::move(pose), std::move(squares)};
+}
+
+}  // namespace
+
 PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector<Points>& normals,
                          const Triangles& faces, Alignment alignment, ThreadPool& pool) {
-  const PopulationPose given = poseOf(landmarks, faces, Alignment::None);
-  if (alignment == Alignment::None) return given;
-  PopulationPose centred = given;
-  for (Points& shape : centred.shapes)
+  const auto found = [&](const PopulationPose& from) {
+    return doubted(poseBySurfaces(landmarks, normals, faces, alignment, from, pool), landmarks,
+                   normals, faces, alignment, pool);
+  };
+  PopulationPose given = poseOf(landmarks, faces, Alignment::None);
+  if (alignment == Alignment::None) return found(given).pose;
+  for (Points& shape : given.shapes)
     shape.rowwise() +=
-        centreOf(centred.shapes.front(), given.weights) - centreOf(shape, given.weights);
-  const PopulationPose lie = poseBySurfaces(landmarks, normals, faces, alignment, centred, pool),
-                       turned = poseBySurfaces(landmarks, normals, faces, alignment,
-                                               poseOf(landmarks, faces, alignment), pool);
-  return distanceFromMean(lie, normals, pool) <=
-                 frameShare * distanceFromMean(turned, normals, pool)
-             ? lie
-             : turned;
+        centreOf(given.shapes.front(), given.weights) - centreOf(shape, given.weights);
+  const DoubtedPose lie = found(given), turned = found(poseOf(landmarks, faces, alignment));
+  return sumWithinDoubt(lie.squares) <= frameShare * sumWithinDoubt(turned.squares) ? lie.pose
+                                                                                    : turned.pose;
 }
 
 }  // namespace sphere_propagation

@@ -10,14 +10,23 @@
 
 namespace sphere_propagation {
 
+/// The fewest shapes of which one can be told from the others.
+constexpr int minTrustedShapes = 5;
+
+/// 1 up to `full`, 0 from twice that on, linear between them: without a step, by which maps would
+/// change at the last digit of a surface.
+double trustIn(double distance, double full);
+
 struct PopulationPose {
   std::vector<Eigen::Matrix3d> turns;  ///< one per shape: rotation times scale
   std::vector<Points> shapes;          ///< aligned landmarks, #N by 3
   Points mean;                         ///< #N by 3
   Eigen::VectorXd weights;  ///< #N: the share of each landmark in the shapes' area, sum 1
+  Eigen::VectorXd trust;    ///< #K: how much each shape counts for the mean and all else that they
+                            ///< have in common, 0 to 1
 
   /// The mean of the squared distances from the mean shape, weighted: the total variance (divisor
-  /// K).
+  /// the sum of trust).
   double variance() const;
 };
 
@@ -35,7 +44,7 @@ PopulationPose poseOf(const std::vector<Points>& landmarks, const Triangles& fac
 /// fixed as there.
 ///
 /// normals: of the landmarks as they are, unit, one #N by 3 per shape; from: of the same shapes,
-/// whose landmarks may have moved since.
+/// whose landmarks may have moved since, with the trust that is put into them.
 PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
                               const std::vector<Points>& normals, const Triangles& faces,
                               Alignment alignment, const PopulationPose& from, ThreadPool& pool);
@@ -43,7 +52,9 @@ PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
 /// The pose to begin with: found by poseBySurfaces from the shapes as they lie where that lays the
 /// surfaces on each other nearly as well as from Procrustes alignment (the frame that they lie in
 /// means something then, and tells apart what shapes alone do not, as the axes of an ellipsoid),
-/// else from that.
+/// else from that. Of five shapes or more, those that lie more than twice as far off the mean as
+/// three quarters do count there for no more than that, and are trusted less, from four times on
+/// not at all.
 PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector<Points>& normals,
                          const Triangles& faces, Alignment alignment, ThreadPool& pool);
 
