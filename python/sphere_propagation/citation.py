@@ -10,8 +10,9 @@ PAPER = (
     "statistical shape model of the left ventricle. Eurographics Workshop on Visual Computing for "
     "Biology and Medicine, 2010."
 )
+AUTHORS, YEAR = "The Sphere Propagation developers", 2026
 
 
 def program() -> str:
     """This version of the program, as a reference."""
-    return f"Sphere Propagation, version {version()} [computer program]."
+    return f"{AUTHORS}. Sphere Propagation, version {version()} [computer program]. {YEAR}."

@@ -28,6 +28,7 @@ def read_model(path) -> ShapeModel:
     shapes, as a rule: then scores are (0, M). Triangles of theirs are taken as they are, outwards.
     """
     path = path_of(path)
+    _require_no_folder(path)
     found = _arrays(path)
     missing = [name for name in NEEDED if name not in found]
     if missing:
@@ -112,6 +113,16 @@ def name_arrays(names: Mapping[str, int]) -> Dict[str, np.ndarray]:
     if not names:
         return {}
     return dict(zip(NAMES, (np.array(list(names)), np.array(list(names.values()), np.int32))))
+
+
+def _require_no_folder(path: Path) -> None:
+    if not path.is_dir():
+        return
+    models = sorted(path.rglob("model.npz"))
+    if not models:
+        raise FileError(f"{path} is a folder, and there is no model.npz in it.")
+    others = f", or another of its {len(models)}" if len(models) > 1 else ""
+    raise FileError(f"{path} is a folder: name the model in it, {models[0]}{others}.")
 
 
 def _names_in(path: Path, found: Mapping[str, np.ndarray]) -> Dict[str, int]:

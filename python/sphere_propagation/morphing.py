@@ -184,7 +184,11 @@ def morph_files(surfaces, folder, say: Callable[[str], None], order: str, **choi
             ),
         )
     volumes = between.figures["volume"]
-    say(f"{counted(between.surfaces, 'shape')}, volume {volumes.min():.3g} to {volumes.max():.3g}")
+    low, high = volumes.min(), volumes.max()
+    say(
+        f"{counted(between.surfaces, 'shape')}, volume {low:.3g} to {high:.3g} in the unit of the "
+        "surfaces, cubed"
+    )
     made = ["*.ply: the shapes, numbered in order of time"]
     missing = pictures.what_is_missing()
     if missing:

@@ -7,6 +7,7 @@ import subprocess
 from datetime import date
 
 from pages import PROJECT
+from sphere_propagation import citation
 
 
 def version():
@@ -28,6 +29,7 @@ def test_the_citation_has_it():
     text = (PROJECT / "CITATION.cff").read_text()
     assert re.search(r"^version: (.*)$", text, re.M)[1] == version()
     assert re.search(r"^date-released: (.*)$", text, re.M)[1] == newest()[1].isoformat()
+    assert f'- name: "{citation.AUTHORS}"' in text and newest()[1].year == citation.YEAR
 
 
 def test_the_readme_has_it():

@@ -216,3 +216,13 @@ def test_a_model_of_another_mesh_is_fitted_and_explored(model, tmp_path):
     assert np.array_equal(fit.faces, read.faces)
     page = sp.explore(read)
     assert "0 shapes, 288 landmarks, 2 modes" in page.about
+
+
+def test_a_folder_is_no_model_and_says_which_lie_in_it(tmp_path):
+    with pytest.raises(sp.FileError, match="is a folder, and there is no model.npz in it"):
+        sp.read_model(tmp_path)
+    for name in ("endo", "wall"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "model.npz").touch()
+    with pytest.raises(sp.FileError, match=r"endo/model\.npz, or another of its 2"):
+        sp.read_model(tmp_path)
