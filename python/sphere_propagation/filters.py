@@ -57,9 +57,9 @@ LID_RULES = NAMED["leave_out_lids"]
 # Landmarks of all layers together, as in filter_sphere_propagation/remeshing_filter.cpp, which says
 # no only after the maps were made. A test asks it.
 MAX_LANDMARKS = 20_000_000
+LISTED = 5  # names in a message
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
-
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean", "seconds")
 
 
@@ -466,10 +466,13 @@ def propagate(
         threads=threads,
     )
     if len(figures["parent"]) != len(surfaces):
+        others = layers.without_map(meshes)
+        more = f" and {len(others) - LISTED} more" if len(others) > LISTED else ""
         raise FilterError(
             PROPAGATE,
-            "Not every mesh was taken for a surface: one of them is an icosphere's landmark mesh, "
-            "lies on the unit sphere, or is called like a layer of a shape model.",
+            f"Not taken for surfaces: {', '.join(others[:LISTED])}{more}. A mesh is none that is "
+            "an icosphere's landmark mesh, lies on the unit sphere, or is called like a layer of a "
+            "shape model: leave out what an earlier run has made.",
         )
     maps = _maps_with_figures(meshes, figures, len(surfaces))
     qualities = [mesh.vertex_scalar_array() for mesh in meshes]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -82,6 +82,19 @@ def lid_of(mesh) -> Optional[np.ndarray]:
 def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:
     texture = mesh.vertex_tex_coord_matrix() if mesh.has_vertex_tex_coord() else None
     return SphereMap(mesh.vertex_custom_point_attribute_matrix(ATTRIBUTE), texture, figures or {})
+
+
+def without_map(meshes) -> List[str]:
+    """The names of the layers that have no map."""
+    names = []
+    for mesh in meshes:
+        try:
+            mesh.vertex_custom_point_attribute_matrix(ATTRIBUTE)
+        except Exception as error:  # PyMeshLab's; nothing else says whether it is there
+            if not type(error).__module__.startswith("pymeshlab"):
+                raise
+            names.append(mesh.label())
+    return names
 
 
 def keep(meshes) -> None:
