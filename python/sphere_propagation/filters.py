@@ -699,8 +699,8 @@ def shape_model(
         raise InputError(
             "anchors of a shape model must be those of a result, or dictionaries, not a path."
         )
-    named = in_full("alignment", alignment)
-    by_anchors = isinstance(named, str) and named in ALIGNMENTS_BY_ANCHORS
+    rule = in_full("alignment", alignment)
+    by_anchors = isinstance(rule, str) and rule in ALIGNMENTS_BY_ANCHORS
     if by_anchors and anchors is None:
         raise InputError(f"alignment: {alignment!r} needs anchors.")
     places = anchors_of(anchors, len(surfaces))[0] if by_anchors else None
