@@ -73,7 +73,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     except BrokenPipeError:
         raise
     except InputError as error:  # files are read by then: an argument cannot be what is meant
-        code, text = 2, f"error: {by_flags(str(error))}"
+        words = str(error) if options.action is _cohort else by_flags(str(error))  # keys of a file
+        code, text = 2, f"error: {words}"
     except (SpherePropagationError, OSError, MemoryError) as error:
         code, text = 1, f"error: {by_flags(_words(error))}"
     except KeyboardInterrupt:

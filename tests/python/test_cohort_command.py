@@ -109,6 +109,32 @@ def test_only_what_depends_on_a_change_is_done_again(study):
     assert "sub-99" in (out / "subjects.csv").read_text()
 
 
+@pytest.mark.parametrize("name", ["landmarks/00000.npy", "report.html", "model/measures.csv"])
+def test_a_result_that_was_deleted_is_made_again(study, name):
+    folder, words, _ = study
+    kept = folder / "kept"
+    (folder / "out" / name).rename(kept)
+    try:
+        assert "everything is there" not in run(*words, "--dry-run")
+    finally:
+        kept.rename(folder / "out" / name)
+    assert "everything is there" in run(*words, "--dry-run")
+
+
+def test_a_study_does_not_become_that_of_one_subject(study):
+    folder, words, _ = study
+    name = sorted(path.name for path in (folder / "in").iterdir())[0]
+    said = run(*words, "--participant-label", name, "--dry-run", code=2)
+    assert "--participant-label does not name" in said
+    assert run(*words[:1], folder / "one", *words[2:], "--participant-label", name, "--dry-run")
+
+
+def test_messages_call_keys_as_the_file_does(study, tmp_path):
+    (tmp_path / "study.toml").write_text("voxel_size = -1\n")
+    said = run(*study[1][:3], "--config", tmp_path / "study.toml", "--dry-run", code=2)
+    assert "voxel_size must be a number" in said and "--voxel-size" not in said
+
+
 def test_what_is_wrong_is_said_before_anything_runs(study, tmp_path):
     folder, words, _ = study
     (tmp_path / "study.toml").write_text("frequncy = 3\n")

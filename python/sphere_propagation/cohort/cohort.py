@@ -43,6 +43,8 @@ def run(
     _require_folders(where, output)
     base, found = subjects.find(where, study, home)
     found = subjects.chosen(found, labels)
+    if labels:
+        _require_no_fewer(output, found)
     if dry:
         with engine.shadow(output) as folder:
             made = plan.write(folder, study, base, found, home)
@@ -60,6 +62,24 @@ def run(
         engine.run(output, level, cores or (None if profile else 1), profile, say)
         _say_what_came_out(output, level, list(made["chunks"]), say)
     return 0
+
+
+def _require_no_fewer(output: Path, found: Sequence[subjects.Subject]) -> None:
+    """A study that is there would become one of the subjects chosen."""
+    chosen = {one.name for one in found}
+    others = [
+        entry["subject"]
+        for path in sorted((output / plan.PLAN / "import").glob("*.json"))
+        for entry in store.read_json(path)["subjects"]
+        if entry["subject"] not in chosen
+    ]
+    if others:
+        raise InputError(
+            f"{output} is a study that has {others[0]}, too, in all "
+            f"{_counted(len(others), 'subject')} that --participant-label does not name: they "
+            "would be left out of it. Choose another folder, or leave the option out; subjects of "
+            "one study are done side by side by --cores or --profile."
+        )
 
 
 def _counted(count: int, noun: str) -> str:

@@ -60,19 +60,25 @@ def find(where: Path, study: Study, home: Path) -> Tuple[Path, List[Subject]]:
 
 
 def chosen(subjects: Sequence[Subject], labels: Sequence[str]) -> List[Subject]:
-    """Those with these names, with or without sub-; all where no name is given."""
+    """Those with these names, with or without sub-, with all of their sessions; all where no name
+    is given."""
     if not labels:
         return list(subjects)
     names = {subject.name for subject in subjects}
     wanted = set()
     for label in labels:
-        match = next((one for one in (label, f"sub-{label}") if one in names), None)
-        if match is None:
+        match = {
+            name
+            for name in names
+            for one in (label, f"sub-{label}")
+            if name == one or name.startswith(f"{one}_ses-")
+        }
+        if not match:
             raise InputError(
                 f"There is no subject {label!r} (--participant-label); there are "
                 f"{', '.join(sorted(names)[:5])}{', …' if len(names) > 5 else ''}."
             )
-        wanted.add(match)
+        wanted |= match
     return [subject for subject in subjects if subject.name in wanted]
 
 
