@@ -121,8 +121,8 @@ def test_a_cluster_that_loses_a_job_and_daemons_comes_to_the_same_bits(cluster, 
         subprocess.run(["slurmctld"], check=True)
         assert run.wait(PATIENCE) == 0
 
-    # What the lost job is called now, nobody promises: a controller that was killed goes on from what
-    # it had written, and its job may have been given to a node again.
+    # What the lost job is called now, nobody promises: a controller that was killed goes on from
+    # what it had written, and may have given the job to a node again.
     jobs = re.split(r"\n(?=JobId=)", asked("scontrol", "show", "jobs"))
     # Every step ran there, at least once, and said how much memory it wants.
     rules = [re.search(r"Comment=rule_(\w+)", job)[1] for job in jobs]
