@@ -19,7 +19,7 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWidth = 0.15;
-constexpr int mostSteps = 240, ringsWithHeld = 12, stepsOnTheWay = 4, stepsAtEnd = 20;
+constexpr int stepsOnTheWay = 4, stepsAtEnd = 20;
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
@@ -28,6 +28,15 @@ constexpr int placesOnTheWay = 50;
 constexpr double nearEnds = 1e-3;
 /// Ways longer than this (radians) are relaxed for, in the end and so often on the way.
 constexpr double farAway = 0.15, betweenRelaxations = 0.3;
+
+/// How points are brought to their targets: mostly the first finds a map, sometimes only the other.
+struct Manner {
+  bool faceAsItIs;  ///< the corners of a point's face go with it
+  bool spreads;     ///< what is squeezed and stretched on long ways, on the way
+  int mostSteps;
+  int ringsWithHeld;  ///< of patches that are untangled
+};
+constexpr Manner spreading{true, true, 240, 12}, flowAlone{false, false, 60, 4};
 
 /// The tangent at p that leads to q along the great circle, as long as the way.
 Vector3 wayFrom(const Vector3& p, const Vector3& q) {
@@ -198,16 +207,11 @@ class Relaxation {
   AreaMinimiser minimiser_;
 };
 
-}  // namespace
-
-Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
-  return placeAt(map.faces(), map.positions(), point);
-}
-
-ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& points,
-                     const std::vector<Vector3>& targets, const std::vector<std::string>& names) {
+/// Throws AnchorError where the manner leads nowhere.
+ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& points,
+                   const std::vector<Vector3>& targets, const std::vector<std::string>& names,
+                   const Manner& manner) {
   ExactMap result{map};
-  if (points.empty()) return result;
   const ClosedSurface& surface = map.surface();
   std::vector<Vector3> places(points.size()), left(points.size());
   size_t worst = 0;
@@ -221,7 +225,6 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
     return most;
   };
   double most = result.longestWay = look();
-  requireApart(places, targets, surface.name(), names);
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
   const std::vector<int> owners = ownersOf(surface, points);
   std::vector<char> held;
@@ -242,7 +245,7 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
     Points moved = result.map.positions();
     for (Eigen::Index v = 0; v < moved.rows(); ++v) {
       const Vector3 x = moved.row(v).transpose();
-      const int k = owners[static_cast<size_t>(v)];
+      const int k = manner.faceAsItIs ? owners[static_cast<size_t>(v)] : nobody;
       moved.row(v) = turned(x, k >= 0 ? turns[static_cast<size_t>(k)] : field.at(x)).transpose();
     }
     return moved;
@@ -258,7 +261,7 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
       relaxation.reset();  // what follows are the last bits
       continue;
     }
-    if (result.steps == mostSteps)
+    if (result.steps == manner.mostSteps)
       throw AnchorError(
           Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
     const double share = std::min(1.0, stepPerWidth * width / most);
@@ -268,7 +271,7 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
       result.map = std::move(*valid);
     } else {
       try {
-        Untangled mended = untangle(surface, moved, ringsWithHeld, {}, held);
+        Untangled mended = untangle(surface, moved, manner.ringsWithHeld, {}, held);
         result.untangledFaces += mended.repairedFaces;
         result.map = std::move(mended.map);
       } catch (const MapError&) {  // what moves the points, too; the next steps bring them back
@@ -278,12 +281,35 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
         sinceRelaxed = betweenRelaxations;
       }
     }
-    if (relaxation && sinceRelaxed >= betweenRelaxations) {
+    if (relaxation && manner.spreads && sinceRelaxed >= betweenRelaxations) {
       result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
       sinceRelaxed = 0;
     }
   }
   return result;
+}
+
+}  // namespace
+
+Vector3 placeOf(const MappedSurface& map, const SurfacePoint& point) {
+  return placeAt(map.faces(), map.positions(), point);
+}
+
+ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& points,
+                     const std::vector<Vector3>& targets, const std::vector<std::string>& names) {
+  if (points.empty()) return {map};
+  std::vector<Vector3> places;
+  for (const SurfacePoint& point : points) places.push_back(placeOf(map, point));
+  requireApart(places, targets, map.surface().name(), names);
+  try {
+    return broughtTo(map, points, targets, names, spreading);
+  } catch (const AnchorError&) {
+    try {
+      return broughtTo(map, points, targets, names, flowAlone);
+    } catch (const AnchorError&) {  // the first says more
+    }
+    throw;
+  }
 }
 
 }  // namespace sphere_propagation
