@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
+#include <vector>
 
 namespace sphere_propagation {
 
@@ -23,6 +24,18 @@ bool liesOnLine(const Points& points) {
   const Eigen::RowVector3d along = centred.row(farthest) / most;
   const Points across = centred - (centred * along.transpose()) * along;
   return across.rowwise().norm().maxCoeff() <= 1e-6 * most;
+}
+
+SharedPoints::SharedPoints(const Points& one, const Points& other) {
+  std::vector<Eigen::Index> shared;
+  for (Eigen::Index k = 0; k < one.rows(); ++k)
+    if (one.row(k).allFinite() && other.row(k).allFinite()) shared.push_back(k);
+  first = one(shared, Eigen::all);
+  second = other(shared, Eigen::all);
+}
+
+bool SharedPoints::fixPose() const {
+  return count() >= minPosePoints && !liesOnLine(first) && !liesOnLine(second);
 }
 
 }  // namespace sphere_propagation

@@ -59,6 +59,11 @@ Points moved(const Points& points, const Fit& fit) {
   return fit.scale * (points.rowwise() - fit.centroid) * fit.rotation.transpose();
 }
 
+void requireValid(const ProcrustesParameters& parameters) {
+  requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));
+  requireRange("number of alignment iterations", parameters.iterations, Range::atLeast(1));
+}
+
 void requireSize(const TrainingSet& shapes) {
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shapes.landmarkCount());
   for (const auto& [name, landmarks] : shapes.shapes())
@@ -72,22 +77,6 @@ Points average(const std::vector<TrainingSet::Shape>& shapes) {
   return sum / static_cast<double>(shapes.size());
 }
 
-/// Of the rows that both have.
-struct SharedPoints {
-  SharedPoints(const Points& ofShape, const Points& ofMean) {
-    std::vector<Eigen::Index> shared;
-    for (Eigen::Index k = 0; k < ofShape.rows(); ++k)
-      if (ofShape.row(k).allFinite() && ofMean.row(k).allFinite()) shared.push_back(k);
-    shape = ofShape(shared, Eigen::all);
-    mean = ofMean(shared, Eigen::all);
-  }
-  Eigen::Index count() const { return shape.rows(); }
-  bool fixPose() const {
-    return count() >= minAlignmentAnchors && !liesOnLine(shape) && !liesOnLine(mean);
-  }
-  Points shape, mean;
-};
-
 /// x -> scale rotation (x - centroid) + place.
 struct PlacedFit {
   Fit fit;
@@ -95,11 +84,12 @@ struct PlacedFit {
   Points of(const Points& points) const { return moved(points, fit).rowwise() + place; }
 };
 
+/// shared: of a shape and of the mean.
 PlacedFit fitShared(const SharedPoints& shared, bool scaled) {
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(shared.count());
   PlacedFit result;
-  result.place = centroid(shared.mean, equal);
-  result.fit = fit(shared.shape, shared.mean.rowwise() - result.place, equal, scaled);
+  result.place = centroid(shared.second, equal);
+  result.fit = fit(shared.first, shared.second.rowwise() - result.place, equal, scaled);
   return result;
 }
 
@@ -117,7 +107,7 @@ Points averageOfThere(const std::vector<Points>& anchors, const std::vector<Plac
   return (sum.array().colwise() / count.array()).matrix();
 }
 
-Points withoutMissing(const Points& points) { return SharedPoints(points, points).shape; }
+Points withoutMissing(const Points& points) { return SharedPoints(points, points).first; }
 
 /// Without those that one shape alone has: they say nothing, and would keep it where it is.
 std::vector<Points> thoseOfSeveral(std::vector<Points> anchors) {
@@ -135,8 +125,7 @@ std::vector<Points> thoseOfSeveral(std::vector<Points> anchors) {
 
 Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& allAnchors,
                        bool scaled, const ProcrustesParameters& parameters) {
-  requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));
-  requireRange("number of alignment iterations", parameters.iterations, Range::atLeast(1));
+  requireValid(parameters);
   const std::vector<TrainingSet::Shape>& given = shapes.shapes();
   if (allAnchors.size() != given.size())
     throw ArgumentError("There are anchors of " + std::to_string(allAnchors.size()) +
@@ -169,10 +158,10 @@ Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& all
   for (size_t i = 0; i < given.size(); ++i) {
     const SharedPoints shared(anchors[i], mean);
     if (isIn[i] && shared.fixPose()) continue;
-    throw ParameterError(Finding(shared.count() < minAlignmentAnchors ? Fault::FewSharedAnchors
-                                                                      : Fault::AnchorsOnOneLine,
-                                 given[i].name)
-                             .of(shared.count()));
+    throw ParameterError(
+        Finding(shared.count() < minPosePoints ? Fault::FewSharedAnchors : Fault::AnchorsOnOneLine,
+                given[i].name)
+            .of(shared.count()));
   }
 
   const auto sizeOf = [](const Points& points) {
@@ -218,8 +207,7 @@ Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& all
 }
 
 Aligned alignShapes(const TrainingSet& shapes, const ProcrustesParameters& parameters) {
-  requireRange("tolerance of the alignment", parameters.tolerance, Range::above(0));
-  requireRange("number of alignment iterations", parameters.iterations, Range::atLeast(1));
+  requireValid(parameters);
   const std::vector<TrainingSet::Shape>& given = shapes.shapes();
   if (parameters.alignment == Alignment::None) return {shapes, average(given), 0, true};
   const bool scaled = parameters.alignment == Alignment::Similarity;

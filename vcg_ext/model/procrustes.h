@@ -9,9 +9,6 @@
 
 namespace sphere_propagation {
 
-/// Fewer anchors leave a shape's pose open.
-constexpr int minAlignmentAnchors = 3;
-
 enum class Alignment {
   Similarity,  ///< rotation, translation and scale
   Rigid,       ///< rotation and translation

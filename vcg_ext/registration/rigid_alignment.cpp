@@ -43,13 +43,9 @@ std::optional<RigidMotion> fitRigidWhereShared(const Points& from, const Points&
   if (from.rows() != to.rows())
     throw ArgumentError("Points that are missing need rows of their own: given are " +
                         std::to_string(from.rows()) + " and " + std::to_string(to.rows()) + ".");
-  std::vector<Eigen::Index> shared;
-  for (Eigen::Index k = 0; k < from.rows(); ++k)
-    if (from.row(k).allFinite() && to.row(k).allFinite()) shared.push_back(k);
-  if (shared.size() < static_cast<size_t>(minPosePoints)) return std::nullopt;
-  const Points there = from(shared, Eigen::all), here = to(shared, Eigen::all);
-  if (liesOnLine(there) || liesOnLine(here)) return std::nullopt;
-  return fitRigid(there, here);
+  const SharedPoints shared(from, to);
+  if (!shared.fixPose()) return std::nullopt;
+  return fitRigid(shared.first, shared.second);
 }
 
 RigidAlignment alignRigidly(const Points& points, const VertexLocator& reference, int iterations) {

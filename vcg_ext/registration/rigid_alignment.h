@@ -29,9 +29,6 @@ RigidMotion operator*(const RigidMotion& a, const RigidMotion& b);
 /// differ or they are empty.
 RigidMotion fitRigid(const Points& from, const Points& to);
 
-/// Fewer pairs of points leave the pose open.
-constexpr int minPosePoints = 3;
-
 /// The same by the rows that both have: a row that is not finite is a point that is missing. from,
 /// to: as many rows. Nothing where the pose stays open: fewer than minPosePoints rows, or all on
 /// one line (across it they spread by less than 1e-6 of what they do along it).

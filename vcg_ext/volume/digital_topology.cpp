@@ -338,13 +338,15 @@ bool needsHandleRemoval(const Mask& mask) {
 }
 
 HandleRemoval findHandleRemoval(const Mask& mask, const std::vector<float>& depth,
-                                HandleRepair wanted, const Progress& progress) {
+                                HandleRepair wanted, const Progress& progress,
+                                const std::vector<float>& cutDepth) {
   requireFreeBorder(mask);
   const auto parts = partsOf(mask);
   HandleRemoval removal = startOfRemoval(mask, parts);
   if (!removal.needed) return removal;
   if (wanted != HandleRepair::Fill || !removal.canFill)
-    removal.cut = differences(mask, grown(mask, parts, depth, part(progress, 0, 0.5)));
+    removal.cut = differences(
+        mask, grown(mask, parts, cutDepth.empty() ? depth : cutDepth, part(progress, 0, 0.5)));
   if (wanted != HandleRepair::Cut && removal.canFill)
     removal.filled = differences(mask, shrunk(mask, depth, part(progress, 0.5, 1)));
   return removal;

@@ -65,10 +65,12 @@ bool needsHandleRemoval(const Mask& mask);
 ///
 /// depth: one value per voxel, the larger the deeper inside (a signed distance; or one that several
 /// masks have in common, so that their handles are cut and filled at the same places). wanted: only
-/// the ways that this asks for are tried.
+/// the ways that this asks for are tried. cutDepth: another depth for the front that cuts; empty:
+/// the same.
 HandleRemoval findHandleRemoval(const Mask& mask, const std::vector<float>& depth,
                                 HandleRepair wanted = HandleRepair::LessChange,
-                                const Progress& progress = {});
+                                const Progress& progress = {},
+                                const std::vector<float>& cutDepth = {});
 
 /// Makes every part of the mask a ball by findHandleRemoval; the number of parts stays. A mask that
 /// is so already is not touched. Several parts are cut, whatever is wanted.

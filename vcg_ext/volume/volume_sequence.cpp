@@ -30,26 +30,16 @@ std::optional<Eigen::Vector3i> firstIn(const SliceStack& reference, const SliceS
   return stack.first + whole.cast<int>();
 }
 
-/// Of a phase that lies at a place: with the cut of all phases where there is one.
-HandleRemoval removalAt(const std::vector<Eigen::Vector3i>& cutOfAll, const Eigen::Vector3i& place,
-                        const Mask& mask, const std::vector<float>& depth, HandleRepair wanted,
-                        const Progress& progress) {
-  std::vector<float> cutLast = depth;
-  bool meets = false;
+/// The depth of a phase that lies at a place, for the front that cuts: what the union of all is cut
+/// at joins last.
+std::vector<float> cutLast(std::vector<float> depth, const std::vector<Eigen::Vector3i>& cutOfAll,
+                           const Eigen::Vector3i& place, const Mask& mask) {
   for (const Eigen::Vector3i& sample : cutOfAll) {
     const Eigen::Vector3i x = sample - place;
-    if (x.minCoeff() < 0 || (mask.size - x).minCoeff() <= 0) continue;
-    const size_t i = mask.index(x[0], x[1], x[2]);
-    cutLast[i] -= 2 * CommonDepth::reach;  // below all others: joins the front last
-    meets = meets || mask.values[i] != 0;
+    if (x.minCoeff() >= 0 && (mask.size - x).minCoeff() > 0)
+      depth[mask.index(x[0], x[1], x[2])] -= 2 * CommonDepth::reach;  // below all others
   }
-  if (!meets) return findHandleRemoval(mask, depth, wanted, progress);
-  HandleRemoval removal =
-      findHandleRemoval(mask, cutLast, HandleRepair::Cut, part(progress, 0, 0.5));
-  if (removal.canFill && wanted != HandleRepair::Cut)
-    removal.filled =
-        findHandleRemoval(mask, depth, HandleRepair::Fill, part(progress, 0.5, 1)).filled;
-  return removal;
+  return depth;
 }
 
 }  // namespace
@@ -204,10 +194,13 @@ void VolumeSequence::removeOpenHandles(const Progress& progress) {
     const Progress step = part(progress, 0.7 * share(done), 0.7 * share(done + 1));
     const bool together = common_.phases() > 1 && phase->place;
     phase->volume->surface.handlesAlone = !together;
-    phase->removal = together
-                         ? removalAt(cutOfAll, *phase->place, volume.mask,
-                                     common_.at(*phase->place, volume.mask.size), wanted, step)
-                         : findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
+    if (together) {
+      const std::vector<float> depth = common_.at(*phase->place, volume.mask.size);
+      phase->removal = findHandleRemoval(volume.mask, depth, wanted, step,
+                                         cutLast(depth, cutOfAll, *phase->place, volume.mask));
+    } else {
+      phase->removal = findHandleRemoval(volume.mask, volume.field.grid.values, wanted, step);
+    }
     ++done;
     phase->seconds += stopwatch.seconds();
     if (!phase->removal.canFill) continue;
