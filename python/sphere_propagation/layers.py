@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -71,8 +71,13 @@ def surface_of(mesh, name: Optional[str] = None) -> Surface:
 
 def lid_of(mesh) -> Optional[np.ndarray]:
     """Per vertex the number of its lid, 0 on none; None where the mesh has no lids."""
+    lid = _if_there(mesh.vertex_custom_scalar_attribute_array, LID)
+    return None if lid is None else lid.astype(int)
+
+
+def _if_there(read: Callable[[str], np.ndarray], attribute: str) -> Optional[np.ndarray]:
     try:
-        return mesh.vertex_custom_scalar_attribute_array(LID).astype(int)
+        return read(attribute)
     except Exception as error:  # PyMeshLab's; nothing else says whether it is there
         if not type(error).__module__.startswith("pymeshlab"):
             raise
@@ -86,15 +91,11 @@ def map_of(mesh, figures: Optional[Dict[str, float]] = None) -> SphereMap:
 
 def without_map(meshes) -> List[str]:
     """The names of the layers that have no map."""
-    names = []
-    for mesh in meshes:
-        try:
-            mesh.vertex_custom_point_attribute_matrix(ATTRIBUTE)
-        except Exception as error:  # PyMeshLab's; nothing else says whether it is there
-            if not type(error).__module__.startswith("pymeshlab"):
-                raise
-            names.append(mesh.label())
-    return names
+    return [
+        mesh.label()
+        for mesh in meshes
+        if _if_there(mesh.vertex_custom_point_attribute_matrix, ATTRIBUTE) is None
+    ]
 
 
 def keep(meshes) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import platform
@@ -15,6 +14,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from . import citation, plugin
+from .digest import digest
 from .version import version
 
 
@@ -68,7 +68,7 @@ def provenance(
             f"{plugin.pymeshlab_version() or 'of unknown version'}, numpy {np.__version__}, python "
             f"{platform.python_version()}, {platform.system()} {platform.machine()}",
         },
-        [Input(path, _digest(path)) for path in paths],
+        [Input(path, digest(path)) for path in paths],
     ).saying(facts)
 
 
@@ -77,11 +77,3 @@ def _now() -> datetime:
     if epoch.isdecimal():  # https://reproducible-builds.org: files that do not differ by the time
         return datetime.fromtimestamp(int(epoch), timezone.utc)
     return datetime.now(timezone.utc).astimezone()
-
-
-def _digest(path: Path) -> str:
-    found = hashlib.sha256()
-    with open(path, "rb") as file:
-        for block in iter(lambda: file.read(1 << 20), b""):
-            found.update(block)
-    return found.hexdigest()

@@ -4,10 +4,10 @@ this one made and nothing else."""
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, Set
 
+from .digest import digest as digest_of
 from .errors import InputError
 
 LIST = ".sphere-propagation.sha256"  # as sha256sum writes it; lies in the folder
@@ -70,7 +70,7 @@ class ResultFolder:
                     if path.is_file():  # half a file is ours, too
                         self._written.add(path)
                         name = path.relative_to(self.folder).as_posix()
-                        file.write(f"{_digest(path)}  {name}\n")
+                        file.write(f"{digest_of(path)}  {name}\n")
         return paths
 
     def _clear(self) -> None:
@@ -80,7 +80,7 @@ class ResultFolder:
             path = self.folder / name
             if not path.is_file() or path.is_symlink():
                 continue
-            if _digest(path) != digest:
+            if digest_of(path) != digest:
                 self.kept.append(path)
                 continue
             path.unlink()
@@ -110,7 +110,3 @@ class ResultFolder:
         return {
             name: digest for digest, name in pairs if home in (self.folder / name).resolve().parents
         }
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

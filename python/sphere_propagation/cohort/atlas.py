@@ -204,10 +204,7 @@ def _write(
     store.write_json(
         ATLAS.with_suffix(".json"),
         {
-            "step": "atlas",
-            "version": plan["version"],
-            "parameters": plan["parameters"],
-            "inputs": {path.as_posix(): store.digest(path) for path in inputs},
+            **store.origin(plan, inputs),
             "root": made.root.name,
             "landmark_names": {name: int(j) for name, j in model.landmark_names.items()},
             "subjects": [surface.name for surface in used],

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import fcntl
-import json
 import os
 import re
 import shlex
@@ -16,12 +14,13 @@ import subprocess
 import sys
 import tempfile
 from contextlib import contextmanager
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Callable, Iterator, List, NamedTuple, Optional, Sequence
 
 from ..errors import InputError, SpherePropagationError
-from .worker import DEATH_SIGNAL
+from .worker import die_with_parent
 
 HERE = Path(__file__).resolve().parent
 SNAKEFILE = HERE / "Snakefile"
@@ -146,7 +145,7 @@ def run(
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        preexec_fn=_die_with_parent,  # noqa: PLW1509 - no thread yet
+        preexec_fn=partial(die_with_parent, os.getpid()),  # noqa: PLW1509 - no thread yet
     ) as process:
         tail: List[str] = []
         try:
@@ -167,10 +166,6 @@ def run(
             f"The study is not finished: {len(set(failed)) or 'some'} job(s) failed. The same "
             f"command goes on where it ended.\n{_ends_of(output, failed, tail)}"
         )
-
-
-def _die_with_parent() -> None:
-    ctypes.CDLL(None).prctl(DEATH_SIGNAL, int(signal.SIGKILL))
 
 
 def _ends_of(output: Path, logs: Sequence[str], tail: Sequence[str]) -> str:
@@ -227,9 +222,3 @@ def shadow(output: Path) -> Iterator[Path]:
             elif path.name != LOCK:
                 (folder / path.name).symlink_to(path.resolve())
         yield folder
-
-
-def profile_settings(profile: str) -> str:
-    """The profile's own file, for the record."""
-    path = PROFILES / profile / "config.yaml"
-    return path.read_text(encoding="utf-8") if path.is_file() else json.dumps(profile)

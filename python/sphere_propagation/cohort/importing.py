@@ -37,10 +37,7 @@ def run(chunk: str) -> int:
     store.write_json(
         frames.SURFACES / f"{chunk}.json",
         {
-            "step": "import",
-            "version": plan["version"],
-            "parameters": plan["parameters"],
-            "inputs": {path.as_posix(): store.digest(path)},
+            **store.origin(plan, [path]),
             "subjects": records,
         },
     )

@@ -73,10 +73,7 @@ def run(chunk: str) -> int:
     store.write_json(
         LANDMARKS / f"{chunk}.json",
         {
-            "step": "landmarks",
-            "version": plan["version"],
-            "parameters": plan["parameters"],
-            "inputs": {path.as_posix(): store.digest(path) for path in inputs},
+            **store.origin(plan, inputs),
             "shapes": sum(record.get("phases", 0) for record in records),
             "subjects": records,
         },

@@ -8,7 +8,6 @@ then make others; so is the choice of the atlas kept, while all its subjects tak
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
@@ -16,7 +15,7 @@ from ..errors import InputError
 from ..version import version
 from . import store
 from .study import EXCLUDE, Study
-from .subjects import NAME, Subject
+from .subjects import NAME, Subject, rows_of
 
 PLAN = Path("plan")
 BLOCK = 16  # chunks whose moments are one job, and moments that are merged in one
@@ -223,17 +222,14 @@ def excluded_in(path: Path, names: Sequence[str]) -> List[str]:
     exclude."""
     if not path.is_file():
         return []
-    text = path.read_text(encoding="utf-8-sig")
-    first = text.split("\n", 1)[0]
-    delimiter = max("\t;,", key=first.count)
-    rows = list(csv.DictReader(text.splitlines(), delimiter=delimiter))
+    rows = rows_of(path)
     if rows and "subject" not in rows[0]:
         raise InputError(f"{path} lacks the column subject.")
     known = set(names)
     marked = []
     for row in rows:
-        name = (row["subject"] or "").strip()
-        if (row.get("exclude", "yes") or "").strip().lower() not in YES:
+        name = row["subject"]
+        if row.get("exclude", "yes").lower() not in YES:
             continue
         if name not in known:
             raise InputError(f"{path}: there is no subject {name!r}.")

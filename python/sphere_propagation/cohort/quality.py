@@ -76,10 +76,6 @@ def _jump(record: Mapping[str, Any]) -> Optional[float]:
     return float(np.abs(v[1:-1] - (v[:-2] + v[2:]) / 2).max() / (v.max() or 1.0))
 
 
-def _distance_from_curve(record: Mapping[str, Any]) -> Optional[float]:
-    return record.get("curve_distance")
-
-
 MEASURES = (
     Measure(
         "fit",
@@ -179,7 +175,7 @@ MEASURES = (
         False,
         "root mean square distance of the volume curve, from its largest (1) to its smallest (0), "
         "from the study's median curve, which starts at the largest volume as well",
-        _distance_from_curve,
+        lambda record: None,  # no record knows it: compare_curves does
     ),
     Measure(
         "closure",

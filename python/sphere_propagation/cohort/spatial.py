@@ -98,10 +98,8 @@ def run_scores(block: str) -> int:
     store.write_json(
         SCORES / f"{block}.json",
         {
+            **store.origin(plan, inputs),
             "step": "scores",
-            "version": plan["version"],
-            "parameters": parameters,
-            "inputs": {path.as_posix(): store.digest(path) for path in inputs},
             "subjects": records,
         },
     )

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import os
@@ -13,6 +12,8 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, Mapping
 
 import numpy as np
+
+from ..digest import digest
 
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # that zip knows: files must not differ by the time
 
@@ -80,14 +81,6 @@ def sweep(folder: Path) -> None:
 def figure(value: float) -> float:
     """As figures are kept: nine digits, of which nobody reads more."""
     return float(f"{float(value):.9g}")
-
-
-def digest(path: Path) -> str:
-    found = hashlib.sha256()
-    with open(path, "rb") as file:
-        for block in iter(lambda: file.read(1 << 20), b""):
-            found.update(block)
-    return found.hexdigest()
 
 
 class Archive:

@@ -152,7 +152,7 @@ def _is_read(path: Path) -> bool:
 def _participants(path: Path) -> Dict[str, Dict[str, str]]:
     if not path.is_file():
         return {}
-    rows = _rows(path)
+    rows = rows_of(path)
     return {
         row["participant_id"]: {key: value for key, value in row.items() if key != "participant_id"}
         for row in rows
@@ -160,7 +160,8 @@ def _participants(path: Path) -> Dict[str, Dict[str, str]]:
     }
 
 
-def _rows(path: Path) -> List[Dict[str, str]]:
+def rows_of(path: Path) -> List[Dict[str, str]]:
+    """Of a table, whatever stands between its columns."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
@@ -176,7 +177,7 @@ def _rows(path: Path) -> List[Dict[str, str]]:
 
 def _of_table(path: Path) -> List[Subject]:
     """Columns: subject, file; phase (their order), anchors (a file); all others are groups."""
-    rows = _rows(path)
+    rows = rows_of(path)
     columns = list(rows[0]) if rows else []
     for needed in ("subject", "file"):
         if needed not in columns:

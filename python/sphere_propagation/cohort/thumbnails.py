@@ -14,6 +14,7 @@ from typing import List, Sequence
 import numpy as np
 
 from ..views import upright
+from .merging import aligned
 
 SIZE = 72  # pixels, across and down
 PER_PIXEL = 5.0  # points of the shape that is in the middle of all
@@ -49,10 +50,8 @@ class Studio:
 
     def picture(self, points: np.ndarray) -> np.ndarray:
         """(size, size) bytes. points: (landmarks, 3), wherever they lie."""
-        points = np.asarray(points, float).reshape(-1, 3)
-        points = points - points.mean(0)
-        turn = self._rotation @ _rotation_onto(points, self._mean)
-        seen = ((points @ turn.T - self._middle) * self._scale).astype(np.float32)
+        laid = aligned(np.reshape(points, (1, -1, 3)), self._mean, "Rigid")[0]
+        seen = ((laid @ self._rotation.T - self._middle) * self._scale).astype(np.float32)
         corners = seen[self._faces]  # (faces, 3, 3)
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.sqrt((normals**2).sum(1))
@@ -69,12 +68,6 @@ class Studio:
         inside = (x >= 0) & (x < self.size) & (y >= 0) & (y < self.size)
         image[(y * self.size + x)[inside]] = np.broadcast_to(grey[:, None], x.shape)[inside]
         return image.reshape(self.size, self.size)
-
-
-def _rotation_onto(points: np.ndarray, mean: np.ndarray) -> np.ndarray:
-    """The rotation that lays centred points on the mean (Kabsch)."""
-    u, _, v = np.linalg.svd(mean.T @ points)
-    return u @ np.diag([1, 1, np.sign(np.linalg.det(u @ v)) or 1.0]) @ v
 
 
 def sheet(pictures: Sequence[np.ndarray], columns: int) -> np.ndarray:
