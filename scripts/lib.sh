@@ -376,9 +376,9 @@ make_environment() {
   if ! cmp -s "$wheels/requirements.txt" "$requirements"; then
     say "Downloading Python packages ($([ -n "${1-}" ] && echo "for the $1" || echo "about 370 MB"), once)"
     rm -rf "$wheels.part"; mkdir -p "$wheels.part"
-    local source
+    local source # --use-pep517: pip 23.0, Debian 12's, else calls setup.py for a command that wheel brings, which is not here
     for source in $(sed -n 's/^# built from source: //p' "$requirements"); do
-      logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check wheel -q --no-deps -w "$wheels.part" "$source" ||
+      logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check wheel -q --use-pep517 --no-deps -w "$wheels.part" "$source" ||
         die "could not build the Python package $source"
     done
     logged "$log" "$dir/bin/python" -m pip --disable-pip-version-check download -q --only-binary :all: -r "$requirements" \
