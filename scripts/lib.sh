@@ -354,6 +354,8 @@ environment_is_complete() { # [PURPOSE]
 }
 
 require_python() {
+  # Some shells forbid what is compiled to be kept: every process then compiles NumPy again, for a second.
+  unset PYTHONDONTWRITEBYTECODE
   have_usable_python || die "No Python 3.9 to 3.13 that can make virtual environments was found (PyMeshLab has wheels for these)."
   environment_is_complete "$@" || with_lock make_environment "$@"
   PYTHON=$cache_dir/venv-$python_series${1:+-$1}/bin/python
