@@ -72,7 +72,7 @@ def mesh_of(thing: Any, name: str) -> Mesh:
         found = adapt(thing, name)
         if found is not None:
             return found
-    if any(adapt(thing) is not None for adapt in _OF_IMAGES):
+    if _is_image(thing):
         _refuse_image(name, thing)
     if isinstance(thing, np.ndarray):
         raise InputError(
@@ -359,16 +359,17 @@ def is_label_volume(thing: Any) -> bool:
         return files.is_label_volume(thing)
     if isinstance(thing, tuple):
         return len(thing) == 2 and np.ndim(thing[0]) > 2
-    return any(adapt(thing) is not None for adapt in (_simpleitk, _itk, _ants, _with_affine))
+    return _is_image(thing)
 
 
 def volume_of(thing: Any) -> Volume:
     """The label volume that an object of another library is. Raises InputError for everything
     else."""
-    for adapt in (_labels_and_affine, *_OF_IMAGES):
-        found = adapt(thing)
-        if found is not None:
-            return _checked(found)
+    found = _labels_and_affine(thing)
+    if found is None:
+        found = next((adapt(thing) for known, adapt in _OF_IMAGES if known(thing)), None)
+    if found is not None:
+        return _checked(found)
     if isinstance(thing, np.ndarray):
         raise InputError(
             f"An array of shape {thing.shape} does not say where its voxels lie: give (labels, "
@@ -390,6 +391,11 @@ def volume_of(thing: Any) -> Volume:
         "A label volume must be a file, an image of nibabel or SimpleITK, or (labels, affine), not "
         f"{type(thing).__name__}."
     )
+
+
+def _is_image(thing: Any) -> bool:
+    """Whether it is one of another library; nothing is converted."""
+    return any(known(thing) for known, _ in _OF_IMAGES)
 
 
 def _refuse_image(name: str, thing: Any) -> NoReturn:
@@ -425,9 +431,11 @@ def _array(thing: Any) -> np.ndarray:
         raise InputError(f"{_kind(thing)} cannot be made an array: {error}") from error
 
 
-def _simpleitk(thing: Any) -> Optional[Volume]:
-    if _library(thing) != "SimpleITK" or not hasattr(thing, "GetDirection"):
-        return None
+def _is_simpleitk(thing: Any) -> bool:
+    return _library(thing) == "SimpleITK" and hasattr(thing, "GetDirection")
+
+
+def _simpleitk(thing: Any) -> Volume:
     if thing.GetNumberOfComponentsPerPixel() != 1:
         raise InputError("The SimpleITK image has several values per voxel, not one label.")
     size = thing.GetDimension()
@@ -439,18 +447,22 @@ def _simpleitk(thing: Any) -> Optional[Volume]:
     return Volume(labels.transpose(), affine)
 
 
-def _itk(thing: Any) -> Optional[Volume]:
-    if _library(thing) != "itk" or not hasattr(thing, "GetDirection"):
-        return None
+def _is_itk(thing: Any) -> bool:
+    return _library(thing) == "itk" and hasattr(thing, "GetDirection")
+
+
+def _itk(thing: Any) -> Volume:
     direction = np.asarray(sys.modules["itk"].array_from_matrix(thing.GetDirection()))
     return Volume(
         np.asarray(thing).transpose(), _from_lps(thing.GetSpacing(), thing.GetOrigin(), direction)
     )
 
 
-def _ants(thing: Any) -> Optional[Volume]:
-    if _library(thing) != "ants" or not hasattr(thing, "direction"):
-        return None
+def _is_ants(thing: Any) -> bool:
+    return _library(thing) == "ants" and hasattr(thing, "direction")
+
+
+def _ants(thing: Any) -> Volume:
     return Volume(thing.numpy(), _from_lps(thing.spacing, thing.origin, thing.direction))
 
 
@@ -466,13 +478,15 @@ def _from_lps(spacing: Any, origin: Any, direction: Any) -> np.ndarray:
     return TO_RAS @ affine
 
 
-def _with_affine(thing: Any) -> Optional[Volume]:
-    """nibabel's images, torchio's, MONAI's arrays and whatever else knows its affine, to RAS."""
+def _has_affine(thing: Any) -> bool:
     if not hasattr(thing, "affine") or isinstance(thing, type):
-        return None
+        return False
+    return _array(thing.affine).shape == (4, 4)
+
+
+def _with_affine(thing: Any) -> Volume:
+    """nibabel's images, torchio's, MONAI's arrays and whatever else knows its affine, to RAS."""
     affine = _array(thing.affine)
-    if affine.shape != (4, 4):
-        return None
     if hasattr(thing, "dataobj"):
         labels, affine = np.asanyarray(thing.dataobj), affine * _millimetres(thing)
         if not any(
@@ -498,8 +512,13 @@ def _with_affine(thing: Any) -> Optional[Volume]:
     return Volume(labels, affine, _stem(file) if file else "volume")
 
 
-# What adapts an image of another library to a label volume; None where it is no such image.
-_OF_IMAGES = (_simpleitk, _itk, _ants, _with_affine)
+# By what an image of another library is known, and what makes a label volume of it.
+_OF_IMAGES = (
+    (_is_simpleitk, _simpleitk),
+    (_is_itk, _itk),
+    (_is_ants, _ants),
+    (_has_affine, _with_affine),
+)
 
 
 def _stem(file: Any) -> str:
