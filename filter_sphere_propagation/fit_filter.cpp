@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/messages.h"
@@ -68,6 +69,15 @@ std::vector<FittingAnchor> anchorsOf(const std::string& file, const ShapeModel& 
   return anchors;
 }
 
+/// What a model is fitted to unless something else is chosen: the current layer, or where that was
+/// made by a filter, as the mean shape is, the first visible surface.
+int targetOf(const host::Layers& layers) {
+  const std::optional<host::Layer> current = layers.find(layers.currentId());
+  if (!current || current->kind() == host::LayerKind::Surface) return layers.currentId();
+  const std::vector<host::Layer> surfaces = layers.visible(host::LayerKind::Surface);
+  return surfaces.empty() ? current->id() : surfaces.front().id();
+}
+
 class FitFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -77,7 +87,7 @@ class FitFilter : public host::Filter {
   std::vector<host::Parameter> parameters(const host::Layers& layers) const override {
     return {
         help_.parameter("model_file", host::Parameter::File{"NumPy (*.npz)"}),
-        help_.parameter("target_layer", host::Parameter::LayerId{layers.currentId()}),
+        help_.parameter("target_layer", host::Parameter::LayerId{targetOf(layers)}),
         help_.parameter("pose", host::choiceOf(fitPoses, FitPose::Search)),
         help_.parameter("alignment", host::choiceOf(fitSizes, FitSizes::AsTheModel)),
         help_.parameter("modes", 0),

@@ -6,6 +6,7 @@
 
 #include "filter_sphere_propagation/filters.h"
 #include "filter_sphere_propagation/messages.h"
+#include "filter_sphere_propagation/model_layers.h"
 #include "host/help.h"
 #include "vcg_ext/display/side_by_side.h"
 
@@ -43,8 +44,12 @@ class LayoutFilter : public host::Filter {
       Eigen::AlignedBox3d beside;
       for (const auto& group : groups) {
         std::vector<Eigen::AlignedBox3d> boxes;
-        for (const host::Layer& layer : group) boxes.push_back(layer.shownBox());
-        const std::vector<Vector3> moves = sideBySide(boxes, beside);
+        std::vector<std::string> labels;
+        for (const host::Layer& layer : group) {
+          boxes.push_back(layer.shownBox());
+          labels.push_back(layer.label());
+        }
+        const std::vector<Vector3> moves = sideBySide(boxes, beside, cellsOfModel(labels));
         for (size_t i = 0; i < group.size(); ++i) {
           task.changes.showAside(group[i], moves[i]);
           beside.extend(boxes[i].translated(moves[i]));

@@ -14,6 +14,7 @@
 #include "filter_sphere_propagation/landmark_sources.h"
 #include "filter_sphere_propagation/map_roots.h"
 #include "filter_sphere_propagation/messages.h"
+#include "filter_sphere_propagation/model_layers.h"
 #include "filter_sphere_propagation/reporting.h"
 #include "filter_sphere_propagation/summaries.h"
 #include "host/help.h"
@@ -255,21 +256,24 @@ void addLayers(host::Task& task, const ShapeModel& model, Eigen::Index modeLayer
     Eigen::VectorXd displacement;
   };
   std::vector<Deviated> shapes = {
-      {"mean shape", model.mean, Eigen::VectorXd::Zero(model.mean.rows())}};
+      {meanLabel, model.mean, Eigen::VectorXd::Zero(model.mean.rows())}};
   for (Eigen::Index mode = 0; mode < modeLayers; ++mode)
     for (const bool plus : {false, true}) {
       Points shape = model.shape(mode, plus ? deviations : -deviations);
       Eigen::VectorXd displacement = normalDisplacements(model.mean, shape, model.faces);
-      shapes.push_back({"mode " + std::to_string(mode + 1) + (plus ? " +" : " -") +
-                            shortNumber(deviations) + " sd",
-                        std::move(shape), std::move(displacement)});
+      shapes.push_back(
+          {modeLabel(mode + 1, plus, deviations), std::move(shape), std::move(displacement)});
     }
   double range = 0;
   for (const Deviated& d : shapes) range = std::max(range, d.displacement.cwiseAbs().maxCoeff());
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Deviated& d : shapes) boxes.push_back(boxOf(d.shape));
+  std::vector<std::string> labels;
+  for (const Deviated& d : shapes) {
+    boxes.push_back(boxOf(d.shape));
+    labels.push_back(d.label);
+  }
   const std::vector<Vector3> moves =
-      sideBySide(boxes, shownBeside(task.layers, host::LayerKind::Model));
+      sideBySide(boxes, shownBeside(task.layers, host::LayerKind::Model), cellsOfModel(labels));
   const bool beside = task.values.flag("beside_shapes");
   for (size_t i = 0; i < shapes.size(); ++i) {
     Deviated& d = shapes[i];

@@ -60,6 +60,18 @@ TEST(SideBySide, OneBoxAloneStaysAndEmptyOnesTakeNoCell) {
   for (const Vector3& move : sideBySide({point, point})) EXPECT_TRUE(move.allFinite());
 }
 
+TEST(SideBySide, CellsThatAreGiven) {
+  const Bounds box(Vector3(0, 0, 0), Vector3(1, 2, 3));
+  const std::vector<Bounds> boxes(3, box);
+  const std::vector<Bounds> laid =
+      laidOut(boxes, sideBySide(boxes, {}, {{0, 0.5}, {1, 0}, {2, 1}}));
+  EXPECT_DOUBLE_EQ(laid[0].center().y(), box.center().y());  // half way down two rows
+  EXPECT_GT(laid[1].center().y(), laid[0].center().y());
+  EXPECT_LT(laid[2].center().y(), laid[0].center().y());
+  EXPECT_GT(laid[1].min().x(), laid[0].max().x());
+  EXPECT_GT(laid[2].min().x(), laid[1].max().x());
+}
+
 TEST(SideBySide, BoxesAreOfWhatIsFinite) {
   Points points(3, 3);
   points << 0, 0, 0, std::numeric_limits<double>::quiet_NaN(), 1, 1, 2, 3, 4;

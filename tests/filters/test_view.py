@@ -171,6 +171,32 @@ def test_landmarks_and_modes_beside_what_they_came_from():
     assert all(np.allclose(m.transform_matrix(), np.eye(4)) for m in aside)
 
 
+def test_modes_stand_in_rows_behind_the_mean():
+    """Minus before plus, made so and laid out so."""
+    ms = mapped_cycle(4)
+    ms.apply_filter(REMESH, frequency=4)
+    ms.apply_filter(MODEL, beside_shapes=True, mode_layers=2, alignment="None")
+    for _ in range(2):
+        at = {m.label(): sum(box(m)) / 2 for m in list(ms)[8:]}
+        mean = at.pop("mean shape")
+        x, y = np.reshape(list(at.values()), (2, 2, 2)).transpose(2, 0, 1)  # mode, sign
+        assert list(at)[:2] == ["mode 1 -3 sd", "mode 1 +3 sd"]
+        assert np.allclose(x[0], x[1]) and mean[0] < x[0, 0] < x[0, 1]
+        assert np.allclose(y[:, 0], y[:, 1]) and y[0, 0] > mean[1] > y[1, 0]
+        assert apart(list(ms)[8:])
+        ms.apply_filter(LAYOUT)
+
+
+def test_a_model_is_fitted_to_a_surface_unless_told_otherwise():
+    """Also where the current layer is one that a filter made, as the mean shape is."""
+    ms = mapped_cycle(3)
+    ms.apply_filter(REMESH, frequency=4)
+    ms.apply_filter(MODEL, alignment="None")
+    for current, target in ((2, 2), (ms.mesh_number() - 1, 0), (3, 0)):
+        ms.set_current_mesh(current)
+        assert ms.filter_parameter_values("compute_shape_model_fit")["target_layer"] == target
+
+
 def test_the_root_is_remembered():
     """Also where another layer than a surface is the current one."""
     ms = mapped_cycle(3)
