@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequence, Tuple
 
 from . import (
     conversion,
@@ -42,6 +42,9 @@ MAPS = {name.lower(): name for name in INITIAL_MAPS}
 REPAIRS = {name.lower(): name for name in filters.HANDLE_REPAIRS}
 COORDINATES = {name.lower(): name for name in filters.COORDINATES}
 STEPS_OF_PREPARE = ("join_shells", "remove_handles")  # that are off unless they are given
+# Options that the demo has for files or for its phantom alone; one is of either.
+OF_FILES = ("name", "file_series", "prepare", *STEPS_OF_PREPARE, "unit", "mixed")
+OF_PHANTOMS, VOXELS = ("phases", "seed"), "voxel_size"
 PHANTOM_DEFAULTS = filters.make_phantom.__kwdefaults__
 VOLUME_DEFAULTS = filters.read_label_volume.__kwdefaults__
 
@@ -119,21 +122,22 @@ def _run(options, make_progress) -> int:
 
 def _demo(options, make_progress) -> int:
     if options.input:
-        choices = _choices(options, DEFAULTS)
-        runs = jobs.run_meshes([options.input], options.folder, None, choices, make_progress)
-    else:
-        voxel_size = options.voxel_size
-        if voxel_size is None:
-            voxel_size = PHANTOM_DEFAULTS["voxel_size"]
-        cyclic = replace(DEFAULTS, order="Cyclic time", root=None if options.parents else 0)
-        runs = jobs.run_phantom(
-            options.folder,
-            _choices(options, cyclic),
-            options.phases,
-            voxel_size,
-            options.seed,
-            make_progress,
-        )
+        for name in OF_PHANTOMS:
+            if getattr(options, name) is not None:
+                raise InputError(f"{option(name)} is of the phantom: leave it out with --input.")
+        options.meshes, options.output = [options.input], options.folder
+        return _run(options, make_progress)
+    for name in OF_FILES:
+        if getattr(options, name):
+            raise InputError(f"{option(name)} is for your own files: give them (--input).")
+    made = {
+        name: default if getattr(options, name) is None else getattr(options, name)
+        for name, default in ((name, PHANTOM_DEFAULTS[name]) for name in (*OF_PHANTOMS, VOXELS))
+    }
+    cyclic = replace(DEFAULTS, order="Cyclic time", root=None if options.parents else 0)
+    runs = jobs.run_phantom(
+        options.folder, _choices(options, cyclic), progress=make_progress, **made
+    )
     return _report(options.folder, runs)
 
 
@@ -321,11 +325,18 @@ def _volume_choices(options) -> Dict[str, Any]:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line: all options before it, as they are by default, would hide
-    it."""
+    """Says what is wrong in one line, as errors in files are said: all options before it, as they
+    are by default, would hide it."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: error: {message}\n{self.prog} --help lists what there is.\n")
+        words = re.sub(r"^argument ([^:]+):", r"\1:", message).replace(
+            "not allowed with argument", "not together with"
+        )
+        self.exit(2, f"error: {words}\n{self.prog} --help lists what there is.\n")
+
+    def _check_value(self, action, value) -> None:
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, str(_none_of(value, action.choices)))
 
     def parse_args(self, args=None, namespace=None):
         """Options that there are none of belong to the command in front of them, whose help they
@@ -333,8 +344,12 @@ class _Parser(argparse.ArgumentParser):
         found, others = self.parse_known_args(args, namespace)
         if others:
             of = _Parser(prog=f"{self.prog} {found.called}", add_help=False)
-            of.error(f"unrecognized arguments: {' '.join(others)}")
+            of.error(f"{' '.join(others)}: there is no such option")
         return found
+
+
+def _none_of(text: str, choices: Iterable[str]) -> argparse.ArgumentTypeError:
+    return argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(choices)}")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -386,50 +401,11 @@ def parser() -> argparse.ArgumentParser:
         metavar="FOLDER",
         help="where everything goes; an earlier run's files are replaced",
     )
-    run.add_argument(
-        "--name",
-        help="of the sequence, for its files (default: the name of the label volume, or of the "
-        "meshes' folder)",
-    )
-    _add_choices(run, "time", "the mesh of largest volume")
-    run.add_argument(
-        "--voxel-size",
-        type=_number(float, 0),
-        metavar="MM",
-        help="of a label volume's surfaces (default: the smallest spacing of the volume)",
-    )
-    run.add_argument(
-        "--file-series",
-        action="store_true",
-        help="of one label volume: also read the files beside it whose names differ in one number "
-        "only, one phase each",
-    )
-    run.add_argument(
-        "--prepare",
-        action="store_true",
-        help="make closed surfaces of meshes that are none: weld, close openings, keep the largest "
-        "part, turn faces outwards; what was done is said",
-    )
-    run.add_argument(
-        "--join-shells",
-        action="store_true",
-        help="with --prepare: also join the inner and the outer side of a wall, open at its rim",
-    )
-    run.add_argument(
-        "--remove-handles",
-        action="store_true",
-        help="with --prepare: also remove handles, by a new mesh",
-    )
-    run.add_argument(
-        "--unit",
-        metavar="UNIT",
-        help="of the meshes' coordinates, for tables and pictures; nothing is converted (default: "
-        f"{units.DEFAULT_UNIT})",
-    )
-    run.add_argument(
-        "--mixed",
-        action="store_true",
-        help="take label volumes and meshes together as one collection",
+    _add_choices(
+        run,
+        order="time",
+        root="the mesh of largest volume",
+        voxel_size="of a label volume's surfaces (default: the smallest spacing of the volume)",
     )
     run.set_defaults(action=_run)
 
@@ -452,39 +428,27 @@ def parser() -> argparse.ArgumentParser:
         metavar="MESHES",
         help="meshes or a label volume instead of the phantom, as `run MESHES -o FOLDER`",
     )
-    _add_choices(
-        demo, "cyclic; with --input time", "phase 0; with --input the mesh of largest volume"
-    )
     demo.add_argument(
         "--phases",
         type=_number(int, 1),
-        default=PHANTOM_DEFAULTS["phases"],
         metavar="N",
-        help="of the phantom (default: %(default)s)",
-    )
-    demo.add_argument(
-        "--voxel-size",
-        type=_number(float, 0),
-        metavar="MM",
-        help=f"of the phantom (default: {PHANTOM_DEFAULTS['voxel_size']:g}); "
-        "with --input as of `run`",
+        help=f"of the phantom (default: {PHANTOM_DEFAULTS['phases']})",
     )
     demo.add_argument(
         "--seed",
         type=_number(int, 0),
-        default=PHANTOM_DEFAULTS["seed"],
         metavar="N",
-        help="of the phantom: another one makes another ventricle (default: %(default)s)",
+        help="of the phantom: another one makes another ventricle (default: "
+        f"{PHANTOM_DEFAULTS['seed']})",
     )
-    demo.set_defaults(
-        action=_demo,
-        file_series=False,
-        prepare=False,
-        join_shells=False,
-        remove_handles=False,
-        unit=None,
-        mixed=False,
+    _add_choices(
+        demo,
+        order="cyclic; with --input time",
+        root="phase 0; with --input the mesh of largest volume",
+        voxel_size=f"of the phantom (default: {PHANTOM_DEFAULTS['voxel_size']:g}); with --input of "
+        "a label volume's surfaces (default: the smallest spacing of the volume)",
     )
+    demo.set_defaults(action=_demo)
 
     convert = actions.add_parser(
         "convert",
@@ -776,16 +740,18 @@ class _Help(argparse.HelpFormatter):
 def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str], float]:
     """What an option takes for a number: argparse refuses the others."""
 
+    what = "a whole number" if kind is int else "a number"
+    reach = f"of {minimum} or more" if maximum == inf else f"from {minimum} to {maximum}"
+
     def convert(text: str):
-        value = kind(text)
-        if not minimum <= value <= maximum:
-            raise argparse.ArgumentTypeError(
-                f"{text} is not "
-                + (f"{minimum} or more" if maximum == inf else f"from {minimum} to {maximum}")
-            )
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not minimum <= value <= maximum:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {what} {reach}")
         return value
 
-    convert.__name__ = kind.__name__  # argparse's word for what is no number at all
     return convert
 
 
@@ -798,8 +764,7 @@ def _choice(
     def convert(text: str) -> str:
         value = in_full(parameter, text)
         if value not in names.values():
-            words = ", ".join(names)
-            raise argparse.ArgumentTypeError(f"{text!r} is none of {words}")
+            raise _none_of(text, names)
         return value
 
     short = {full: name for name, full in names.items()}
@@ -824,7 +789,7 @@ def _several(choices: Sequence[str]) -> Callable[[str], List[str]]:
             return list(choices)
         for word in words:
             if word not in choices and word not in ALWAYS:
-                raise argparse.ArgumentTypeError(f"{word!r} is none of {', '.join(choices)}, all")
+                raise _none_of(word, [*choices, "all"])
         return [word for word in choices if word in words]
 
     return convert
@@ -833,8 +798,55 @@ def _several(choices: Sequence[str]) -> Callable[[str], List[str]]:
 ALWAYS = ("npz", "csv", "png")  # what is written without being asked for
 
 
-def _add_choices(action: argparse.ArgumentParser, order: str, root: str) -> None:
+def _add_choices(
+    action: argparse.ArgumentParser, *, order: str, root: str, voxel_size: str
+) -> None:
+    """What `run` and `demo` have in common; what is said of three defaults differs."""
     add = action.add_argument
+    add(
+        "--name",
+        help="of the sequence, for its files (default: the name of the label volume, or of the "
+        "meshes' folder)",
+    )
+    add(
+        "--voxel-size",
+        type=_number(float, 0),
+        metavar="MM",
+        help=voxel_size,
+    )
+    add(
+        "--file-series",
+        action="store_true",
+        help="of one label volume: also read the files beside it whose names differ in one number "
+        "only, one phase each",
+    )
+    add(
+        "--prepare",
+        action="store_true",
+        help="make closed surfaces of meshes that are none: weld, close openings, keep the largest "
+        "part, turn faces outwards; what was done is said",
+    )
+    add(
+        "--join-shells",
+        action="store_true",
+        help="with --prepare: also join the inner and the outer side of a wall, open at its rim",
+    )
+    add(
+        "--remove-handles",
+        action="store_true",
+        help="with --prepare: also remove handles, by a new mesh",
+    )
+    add(
+        "--unit",
+        metavar="UNIT",
+        help="of the meshes' coordinates, for tables and pictures; nothing is converted (default: "
+        f"{units.DEFAULT_UNIT})",
+    )
+    add(
+        "--mixed",
+        action="store_true",
+        help="take label volumes and meshes together as one collection",
+    )
     add(
         "--root",
         type=_number(int, 0),

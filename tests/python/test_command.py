@@ -334,19 +334,22 @@ def test_wrong_arguments_end_with_2(capsys):
 @pytest.mark.parametrize(
     "option, value, words",
     [
-        ("--frequency", "0", "0 is not 1 or more"),
-        ("--frequency", "ten", "invalid int value"),
-        ("--area-weight", "2", "2 is not from 0 to 1"),
-        ("--area-restoration", "-1", "-1 is not from 0 to 1"),
-        ("--area-restoration", "nan", "nan is not"),
-        ("--root", "-1", "-1 is not 0 or more"),
+        ("--frequency", "0", "'0' is not a whole number of 1 or more"),
+        ("--frequency", "ten", "'ten' is not a whole number of 1 or more"),
+        ("--area-weight", "2", "'2' is not a number from 0 to 1"),
+        ("--area-restoration", "-1", "'-1' is not a number from 0 to 1"),
+        ("--area-restoration", "nan", "'nan' is not a number from 0 to 1"),
+        ("--root", "-1", "'-1' is not a whole number of 0 or more"),
+        ("--order", "none", "'none' is none of time, cyclic, similarity, star"),
+        ("--export", "x", "'x' is none of h5, json, particles, ply, all"),
     ],
 )
-def test_numbers_out_of_range_end_with_2(capsys, option, value, words):
+def test_values_that_options_do_not_take_end_with_2(capsys, option, value, words):
+    """In the words of errors in files: what is meant, and what is wrong with it."""
     with pytest.raises(SystemExit) as end:
         run("run", "x", "-o", "y", option, value)
     said = capsys.readouterr().err
-    assert end.value.code == 2 and words in said.splitlines()[0]
+    assert end.value.code == 2 and said.splitlines()[0] == f"error: {option}: {words}"
     assert said.splitlines()[1:] == ["sphere-propagation run --help lists what there is."]
 
 
@@ -355,7 +358,7 @@ def test_an_option_that_there_is_not_is_looked_for_in_its_command(capsys):
         run("run", "x", "-o", "y", "--ordr", "cyclic")
     assert end.value.code == 2
     assert capsys.readouterr().err.splitlines() == [
-        "sphere-propagation run: error: unrecognized arguments: --ordr cyclic",
+        "error: --ordr cyclic: there is no such option",
         "sphere-propagation run --help lists what there is.",
     ]
 
@@ -427,6 +430,32 @@ def test_the_phantoms_root_is_that_of_its_parents(tmp_path, capsys):
         ("01", "1"),
         ("02", "0"),
     }
+
+
+def test_the_demo_has_all_options_of_run(heart, tmp_path, capsys):
+    def options_of(name):
+        actions = command.parser()._subparsers._group_actions[0].choices[name]._actions
+        return {word for action in actions for word in action.option_strings}
+
+    assert options_of("run") - options_of("demo") == {"-o", "--output"}
+    out = tmp_path / "out"
+    more = ("--name", "beat", "--unit", "cm", "--frequency", 2, "--no-pictures")
+    assert run("demo", out, "--input", heart, *more) == 0
+    assert (out / "beat/beat.mlp").is_file() and "cm" in (out / "figures.csv").read_text()
+
+
+@pytest.mark.parametrize(
+    "given, words",
+    [
+        (["--unit", "cm"], "--unit is for your own files"),
+        (["--prepare"], "--prepare is for your own files"),
+        (["--input", "x", "--seed", 0], "--seed is of the phantom"),
+        (["--input", "x", "--phases", 9], "--phases is of the phantom"),
+    ],
+)
+def test_what_the_demo_cannot_heed_is_refused(tmp_path, capsys, given, words):
+    assert words in refusal(capsys, "demo", tmp_path / "out", *given, code=2)
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
