@@ -42,6 +42,8 @@ def sources(picture: str):
         return (*HEART, *MAPS)
     if picture == "fitting":
         return ("scripts/draw-fitting", *MAPS)
+    if picture == "anchors":
+        return ("scripts/draw-anchors", *MAPS)
     if picture == "calibration":
         return ("benchmarks/fitting.py",)
     if picture == "explore":
