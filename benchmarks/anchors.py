@@ -28,11 +28,21 @@ RUNS = [
     (12, 0.0, 1, {"anchors": "Exact"}),
     (12, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
     (3, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
+    (3, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0, "anchor_pose": True}),
+    (6, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0, "anchor_pose": True}),
+    (6, 0.0, 1, {"anchors": "Soft", "anchor_pose": True}),
+    (6, 0.0, 1, {"anchors": "Exact", "anchor_pose": True}),
+    (12, 0.0, 1, {"anchors": "Exact", "anchor_pose": True}),
 ]
 # The same with a twist of so many degrees from the lowest to the highest point added, as it grows
 # and falls over the cycle.
 TWIST = 40.0
-TWISTED = [(0, 0.0, 1, {}), (6, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0})]
+TWISTED = [
+    (0, 0.0, 1, {}),
+    (6, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
+    (6, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0, "anchor_pose": True}),
+    (12, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0, "anchor_pose": True}),
+]
 
 
 def far_apart(points, count):
