@@ -13,7 +13,7 @@ from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional
 
 import numpy as np
 
-from . import adapters, files, filters, layers
+from . import adapters, attention, files, filters, layers
 from .errors import InputError
 from .files import write_ply
 from .model import ShapeModel
@@ -29,6 +29,7 @@ POSES = NAMED["pose"]
 SIZES = ("As the model", "Rigid", "Similarity")
 # In a folder, the first that is there (vcg_ext/anchors/anchor_file.h).
 ANCHOR_FILES = ("_picked_points.pp", ".mrk.json", ".csv", ".fcsv", ".pp", ".json", ".tsv", ".txt")
+NAMED_AT_MOST = 10
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean")
 
 ModelLike = Union[ShapeModel, str, Path]
@@ -223,13 +224,21 @@ def fit_files(
     with _prepared(model) as prepared:
         results.create()
         modes = range(len(prepared.shapes.modes))
-        rows = [["surface", *names, "map", "unit", *(f"score_{m + 1}" for m in modes)]]
+        scores = [f"score_{m + 1}" for m in modes]
+        rows = [["surface", *names, "map", "unit", "warnings", *scores]]
         for surface in found:
             its = {**choices, "anchors": _anchors_of(anchors, surface.name)}
             rows.append(_fit_file(prepared, surface, results, say, names, unit, its))
     results.write("fits.csv", lambda path: _write_table(path, rows))
+    warned = [row[0] for row in rows[1:] if row[rows[0].index("warnings")]]
+    if warned:
+        say(
+            f"{len(warned)} of {len(found)} deserve a look before their figures are used, as the "
+            f"warnings say: {', '.join(warned[:NAMED_AT_MOST])}"
+            + (" and others" if len(warned) > NAMED_AT_MOST else "")
+        )
     return [
-        "fits.csv: a row for each surface: distance, deviation, scores",
+        "fits.csv: a row for each surface: distance, deviation, warnings, scores",
         "*_fit.ply, *_fit.npz: the fitted shapes with the standard deviation of each landmark",
         "the surfaces themselves, as *.ply with their maps, where they are closed",
     ]
@@ -247,10 +256,11 @@ def _fit_file(
     """Its row of the table."""
     name = surface.name
     found: List[Fit] = []
-    results.write(
-        f"{name}_fit.npz",
-        lambda path: found.append(_fit(prepared, surface, export_file=str(path), **choices)),
-    )
+    with attention.collected() as said:
+        results.write(
+            f"{name}_fit.npz",
+            lambda path: found.append(_fit(prepared, surface, export_file=str(path), **choices)),
+        )
     got = found[0]
     results.write(
         f"{name}_fit.ply",
@@ -276,6 +286,7 @@ def _fit_file(
         name,
         *(f"{value:.9g}" for value in values),
         unit,
+        " ".join(sorted({warning.message or "other" for warning in said})),
         *(f"{score:.9g}" for score in got.scores),
     ]
 

@@ -38,6 +38,7 @@ MESH_STEPS = ("meshes", "root map", *METHOD_STEPS, *RESULT_STEPS)
 SCAN_STEPS = ("labels", "surfaces", "root map", *METHOD_STEPS, *RESULT_STEPS)
 PART_STEPS = ("phantom", "root map", *METHOD_STEPS * len(METHODS), "truth", *RESULT_STEPS)
 
+UNTIMED = ("Similarity tree", "Star")  # orders of shapes that are no phases
 EXPORTS = ("h5", "json", "particles", "ply")  # of the shape model; npz and csv are always there
 EXPLORER = "explore.html"  # beside the model, and inside the report
 FORMATS = ("svg", "pdf")  # of pictures; png is always there
@@ -175,9 +176,16 @@ def _run_files(
     )
     results = ResultFolder(folder)
     results.create()  # before the work, not after
+    labels = all(map(files.is_label_volume, paths))
+    if choices.unit is None and not labels:
+        steps.note(f"the meshes' unit is taken to be {DEFAULT_UNIT}: --unit says another one")
+    if choices.parameters.order in UNTIMED and not choices.parameters.groupwise:
+        steps.note(
+            "shapes in no order gain by --groupwise, which compares all with each other and not "
+            "each with one"
+        )
     unit = DEFAULT_UNIT if choices.unit is None else choices.unit
     result = correspond_by(choices.parameters, surfaces, progress=steps, unit=unit)
-    labels = all(map(files.is_label_volume, paths))
     row = Row(name, result, phases=phases)
     _write_layers(results, name, row, steps)
     model, explorer = _build_model(results, name, row, choices, steps)

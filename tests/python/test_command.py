@@ -155,6 +155,20 @@ def test_options_reach_the_filters(heart, tmp_path, capsys):
     assert not (out / "given").exists() and (out / "heart").exists()
 
 
+def test_notes_of_what_was_not_said(heart, tmp_path, capsys):
+    """The unit where nobody named it, and what shapes in no order gain by."""
+    for given, told in (
+        ([], (True, False)),
+        (["--unit", "cm"], (False, False)),
+        (["--order", "similarity"], (True, True)),
+        (["--order", "star", "--groupwise", "--unit", "mm"], (False, False)),
+    ):
+        more = ("--frequency", 2, "--no-pictures")
+        assert run("run", heart, "-o", tmp_path / "out", *given, *more) == 0
+        said = capsys.readouterr().out
+        assert ("--unit says another one" in said, "gain by --groupwise" in said) == told
+
+
 def test_the_phantom(tmp_path, capsys):
     assert (
         run(

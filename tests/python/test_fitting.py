@@ -6,6 +6,7 @@ import csv
 import nibabel
 import numpy as np
 import pytest
+import pyvista
 import sphere_propagation as sp
 from sphere_propagation import command, fitting
 
@@ -167,6 +168,32 @@ def test_the_command_fits_a_folder(cycle, model, tmp_path, capsys, monkeypatch):
     assert " cm from the surface" in capsys.readouterr().out
     with open("out/fits.csv", newline="") as file:
         assert {row["unit"] for row in csv.DictReader(file)} == {"cm"}
+
+
+def test_another_organ_is_named(cycle, tmp_path, capsys, monkeypatch):
+    """Whatever the organ and its size: in Python, on the terminal and in the table; and no phase of
+    the cycle itself is."""
+    monkeypatch.chdir(tmp_path)
+    sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment="Rigid", export_file="m.npz")
+    size = np.ptp(cycle.surfaces[0].vertices, axis=0).max()
+    wall = sp.make_phantom(part="Wall", phases=1, voxel_size=4.0)[0]
+    sphere = pyvista.Sphere(theta_resolution=24, phi_resolution=24).scale(0.5 * size)
+    long = pyvista.Sphere(theta_resolution=24, phi_resolution=24).scale(
+        [0.2 * size, 0.2 * size, 1.5 * size]
+    )
+    for name, organ in (("wall", wall), ("ball", sphere), ("rod", long)):
+        with pytest.warns(sp.SpherePropagationWarning) as said:
+            sp.fit("m.npz", organ)
+        assert {"fitIsFarOff", "surfaceUnexplained"} & {str(w.message.message) for w in said}, name
+    for name, surface in (("wall", wall), ("phase", cycle.surfaces[1])):
+        sp.write_ply(tmp_path / f"{name}.ply", surface.vertices, surface.faces)
+    assert command.main(["fit", "m.npz", "wall.ply", "phase.ply"]) == 0
+    said = capsys.readouterr()
+    assert "1 of 2 deserve a look before their figures are used" in said.out
+    assert said.err.startswith("warning: wall: ")
+    with open("fit/fits.csv", newline="") as file:
+        rows = {row["surface"]: row["warnings"].split() for row in csv.DictReader(file)}
+    assert rows["phase"] == [] and {"fitIsFarOff", "surfaceUnexplained"} & set(rows["wall"])
 
 
 def test_a_label_volume_is_a_surface(cycle, model, tmp_path, capsys, monkeypatch):
