@@ -475,12 +475,13 @@ class PropagationFilter : public host::Filter {
       const host::Layer& layer = participants.layers[i];
       if (sides[i].mirrored) ++mirrored;
       if (sides[i].mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
-      if (!sides[i].known && mirrors) task.say(messages::sideNotKnown, layer.label());
       if (!sides[i].known) (sides[i].inDoubt ? inDoubt : unknown).push_back(layer.label());
     }
     // Where none is mirrored those that are nearly their own mirror image need no look.
     if (mirrored > 0 && !unknown.empty())
       task.sayNaming(unknown, messages::sidesNotKnown, namesIn(unknown, unknown.size()));
+    else if (!unknown.empty())
+      task.say(messages::noSideKnown, namesIn(unknown, unknown.size()));
     if (2 * mirrored > sides.size())
       task.sayOf(participants.layers[static_cast<size_t>(participants.root)],
                  messages::mirroredRoot);

@@ -276,6 +276,16 @@ def test_beside_mirrored_layers_those_are_named_of_which_nobody_can_tell(mirrors
         assert ['of "shape 4" nobody can tell' in text for text in named] == [True] * len(odd)
 
 
+@pytest.mark.parametrize("mirrors", [False, True])
+def test_where_none_is_mirrored_the_log_says_of_which_nobody_can_tell(mirrors, capfd):
+    ms = project([lopsided(0), lopsided(1), lopsided(2), egg(14, 20, radii=(40, 30, 22))])
+    capfd.readouterr()
+    ms.set_verbosity(True)
+    ms.apply_filter(PROPAGATE, mirror_layers=mirrors)
+    text = "".join(capfd.readouterr())
+    assert text.count('of "shape 3" nobody can tell whether they are mirror images') == 1
+
+
 def test_a_refused_run_mirrors_nothing():
     ms = project([lopsided(0), mirrored(*lopsided(1)), lopsided(2)])
     with refused(ms, "area restoration must lie between 0 and 1"):
