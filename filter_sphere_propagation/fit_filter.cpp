@@ -222,6 +222,9 @@ class FitFilter : public host::Filter {
     made.vertices = fit.landmarks;
     made.faces = model.faces();
     made.quality = fit.deviations();
+    // On its surface, also where that is laid beside others.
+    if (layer.isShownAside())
+      made.aside = layer.shownBox().center() - boxOf(layer.content().vertices).center();
     task.changes.addLayer(made);
     if (host::hasWindow()) task.changes.makeFirstNewLayerCurrent();
   }

@@ -197,6 +197,19 @@ def test_a_model_is_fitted_to_a_surface_unless_told_otherwise():
         assert ms.filter_parameter_values("compute_shape_model_fit")["target_layer"] == target
 
 
+def test_a_fit_is_shown_on_its_surface(tmp_path):
+    """Also where surfaces are laid out; it belongs where the surface does."""
+    ms, file = mapped_cycle(4), str(tmp_path / "model.npz")
+    ms.apply_filter(REMESH, frequency=4)
+    ms.apply_filter(MODEL, alignment="None", export_file=file)
+    ms.apply_filter(LAYOUT)
+    ms.apply_filter("compute_shape_model_fit", model_file=file, target_layer=3, pose="As it lies")
+    fit = ms.mesh(ms.mesh_number() - 1)
+    assert np.allclose(box(fit), box(ms.mesh(3)), atol=0.1 * np.ptp(box(fit), axis=0).max())
+    assert not ms.apply_filter(LAYOUT)["side_by_side"]  # the fit was laid out with the others
+    assert np.allclose(fit.transform_matrix(), np.eye(4))
+
+
 def test_the_root_is_remembered():
     """Also where another layer than a surface is the current one."""
     ms = mapped_cycle(3)
