@@ -33,7 +33,7 @@ GUI = ("tests/hosts/check_gui.py", "sample_projects/ventricle/ventricle.mlp", "d
 def sources(picture: str):
     """What draws it; of the GUI's pictures also what the dialogs show."""
     if picture == "gui_pick_points":
-        return ("tests/hosts/check_pick_points.py", "sample_projects/ventricle/ventricle.mlp")
+        return ("tests/hosts/picking.py", "sample_projects/ventricle/ventricle.mlp")
     if picture.startswith("gui_"):
         return GUI
     if picture == "levels":

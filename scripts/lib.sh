@@ -61,7 +61,7 @@ packages_for() {
       core)       packages_for library; echo libgtest-dev ;;
       plugin)     echo libqt5opengl5-dev libglew-dev ;;
       volumes)    if has_volumes; then echo libinsighttoolkit5-dev; fi ;;
-      gui)        echo xvfb libgl1-mesa-dri ;;
+      gui)        echo xvfb libgl1-mesa-dri xdotool ;;
       benchmarks) echo libbenchmark-dev ;;
       python)     if ! have_usable_python; then echo python3-venv; fi ;;
       pymeshlab)  echo libgl1 libopengl0 ;;
@@ -284,15 +284,17 @@ clone_headers() {
 # ---------------------------------------------------------------- MeshLab's GUI
 
 # No package has MeshLab 2025.07 for Debian 12: it is built from the same source as the headers, with the plugins named here only.
-gui_plugins="io_base filter_create filter_colorproc decorate_base"
+gui_plugins="io_base filter_create filter_colorproc decorate_base edit_pickpoints"
 
 require_meshlab_gui() {
   MESHLAB_GUI=$cache_dir/meshlab-gui-2025.07/meshlab
-  [ -x "$MESHLAB_GUI" ] || with_lock build_meshlab_gui
+  has_meshlab_gui || with_lock build_meshlab_gui
 }
 
+has_meshlab_gui() { [ -x "$MESHLAB_GUI" ] && [ -f "${MESHLAB_GUI%/*}/plugins/lib${gui_plugins##* }.so" ]; } # the last one came last
+
 build_meshlab_gui() {
-  [ ! -x "$MESHLAB_GUI" ] || return 0 # another process was quicker
+  ! has_meshlab_gui || return 0 # another process was quicker
   local dir=${MESHLAB_GUI%/*} work=${MESHLAB_GUI%/*}.part log=$cache_dir/logs/meshlab-gui.log plugin list=
   [ -f "$work/source/src/meshlab/main.cpp" ] || fetch_gui_source "$work/source"
   say "Building MeshLab 2025.07's GUI (once; about 11 minutes of one core)"

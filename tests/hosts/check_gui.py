@@ -20,6 +20,7 @@ import numpy as np
 import pymeshlab
 import pytest
 from gui import CREATING, FILTERS_WITH_DIALOG, GuiError, MeshLab, until
+from picking import pick
 
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
 PICTURES = Path(os.environ["GUI_PICTURES"])
@@ -50,6 +51,7 @@ FILTERS = {  # menu entry -> menus that show it
 }
 ROOT, PROPAGATE, GROUPWISE, REMESH, EVALUATE, SPHERES, COLOR, MODEL = list(FILTERS)[1:-5]
 PHANTOM, LAYOUT = "Beating ventricle phantom", "Lay layers side by side"
+ANCHORS = "Load anchors"
 IMPORTS = (Path(os.environ["GUI_PLUGIN"]).parent / "libfilter_label_volume.so").exists()
 IMPORT = "Import label volume as layers"
 PHASES = [f"ventricle {i}" for i in range(5)]
@@ -279,6 +281,33 @@ def test_from_a_label_volume_to_a_model(start):
             assert labels(gui)[20:] == ["mean shape", "mode 1 -3 sd", "mode 1 +3 sd"]
         with np.load(model) as written:
             assert written["scores"].shape == (10, 9) and written["mean"].shape == (1002, 3)
+
+
+def test_anchors_by_clicks(start, sample):
+    """Points picked on a layer lie beside its mesh, where they are found; those of the sample's
+    folder are shown, and held."""
+    file = sample.parent / "surfaces/ventricle_0_picked_points.pp"
+    with start(sample) as gui:
+        gui.fill_screen()
+        gui.choose_layer("ventricle 0")
+        assert pick(gui, file, "16-picked")
+        assert "3 anchors from" in gui.apply(ANCHORS)
+        gui.close_dialog()
+        gui.apply(ANCHORS, File=str(sample.parent / "anchors"), Show_anchors=True)
+        gui.close_dialog()
+        balls = [p + " anchors" for p in PHASES]
+        assert labels(gui) == PHASES + balls
+        show(gui, "17-anchors")
+        gui.choose_layer(gui.layers()[0])  # which has a star now
+        gui.apply(ROOT)
+        gui.open_filter(PROPAGATE)
+        gui.picture("18-anchors-dialog", of_dialog=True)
+        said = gui.apply(PROPAGATE, Order="Cyclic time", Anchors="Exact")
+        assert said.count("0 flipped faces") == 5 and "Anchors, " in said, said
+        ms, layers = saved(gui, sample.parent / "result.mlp")
+    assert certified(ms) == 5
+    for phase in PHASES:
+        assert layers[phase + " anchors"].vertex_number() == 4 * 92, phase  # icospheres
 
 
 def test_the_finished_sample_opens(start, sample):

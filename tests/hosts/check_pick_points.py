@@ -4,16 +4,13 @@ reads what it saves (docs/anchors.md). Not a part of scripts/test, since real cl
 for a window that says nothing: after `scripts/test hosts`, `scripts/run-pytest
 tests/hosts/check_pick_points.py` (needs xdotool)."""
 
-import os
 import shutil
-import subprocess
-import time
-from pathlib import Path
 
 import numpy as np
 import pymeshlab
 from conftest import SAMPLE
-from gui import GuiError, until
+from gui import until
+from picking import pick
 
 PROJECT = """<!DOCTYPE MeshLabDocument>
 <MeshLabProject>
@@ -39,49 +36,8 @@ def picked(meshlab, folder, shift):
     saved = folder / "ventricle_0_picked_points.pp"
     with meshlab(folder / "picking.mlp") as gui:
         gui.fill_screen()
-        environment = dict(
-            entry.split("=", 1)
-            for entry in Path(f"/proc/{gui.process.pid}/environ").read_text().split("\0")
-            if "=" in entry
-        )
         until(lambda: "ventricle 0" in gui.layers(), "the layer")
-        gui.trigger("PickPoints")
-        until(lambda: any(w["class"] == "PickPointsDialog" for w in gui.widgets()), "its dialog")
-        x, y, width, height = next(w["place"] for w in gui.widgets() if w["class"] == "GLArea")
-
-        def pointer(*words):
-            display = dict(os.environ, DISPLAY=environment["DISPLAY"])
-            subprocess.run(["xdotool", *map(str, words)], env=display, check=True)
-
-        def click(at, button):
-            # A move before, or Qt does not know where the pointer is; one behind draws anew.
-            pointer("mousemove", *at, "sleep", 0.3, "mousemove", at[0] + 1, at[1], "sleep", 0.3)
-            pointer("mousedown", button, "sleep", 0.4, "mouseup", button, "sleep", 1)
-            pointer("mousemove", at[0] + 30, at[1] + 30, "sleep", 0.3)
-
-        time.sleep(3)
-        for across, down in ((0.45, 0.5), (0.4, 0.55), (0.5, 0.4)):
-            click((int(x + across * width), int(y + down * height)), 3)
-            time.sleep(1)
-        gui.picture("picked")
-        left, top, width, height = next(
-            w["place"] for w in gui.widgets() if w["text"] == "Save" and w["window"] == "Form"
-        )
-        click((left + width // 2, top + height // 2), 1)
-
-        def named():
-            try:
-                gui.ask("choose file", file=str(saved))
-            except GuiError:
-                return False
-            return True
-
-        try:
-            until(named, "the file dialog", patience=10)
-        except GuiError:
-            return None  # it asks for no file where there are no points
-        until(lambda: saved.exists() and "</PickedPoints>" in saved.read_text(), "the file")
-    return saved
+        return saved if pick(gui, saved) else None
 
 
 def test_points_are_taken_on_layers_in_the_worlds_frame_alone(meshlab, tmp_path):
