@@ -18,8 +18,8 @@
 namespace sphere_propagation {
 namespace {
 
-MappedSurface ballMap() {
-  const test::Mesh mesh = test::icosphereMesh(16);
+MappedSurface ballMap(int frequency = 16) {
+  const test::Mesh mesh = test::icosphereMesh(frequency);
   return MappedSurface(surfaceOf(mesh, "ball"), mesh.vertices);
 }
 
@@ -30,14 +30,14 @@ struct Moves {
 };
 
 /// Six points off the vertices, to be moved by so much in ways that have nothing in common.
-Moves moves(const MappedSurface& map, double angle) {
+Moves moves(const MappedSurface& map, double angle, int seed = 0) {
   Moves made;
   for (int k = 0; k < 6; ++k) {
     SurfacePoint point;
     point.face = static_cast<int>(map.faces().rows()) * (2 * k + 1) / 13;
     point.weights = Vector3(0.5, 0.3, 0.2);
     const Vector3 place = placeOf(map, point);
-    const Vector3 axis = place.cross(test::randomRotation(k).col(0)).normalized();
+    const Vector3 axis = place.cross(test::randomRotation(k + 6 * seed).col(0)).normalized();
     made.points.push_back(point);
     made.targets.emplace_back(Eigen::AngleAxisd(angle, axis) * place);
     made.names.push_back("anchor " + std::to_string(k));
@@ -83,6 +83,51 @@ TEST(ExactMap, SpreadsFarWaysOverTheSphere) {
   EXPECT_LT(farthest(held.map, asked), 1e-12);
   EXPECT_TRUE(certify(map.faces(), held.map.positions()).valid());
   EXPECT_LT(measureMap(map.surface(), held.map.positions()).angleErrorMean, 11);
+}
+
+struct HardMoves {
+  double angle;
+  int seed;
+};
+
+class ExactMapOfFewFaces : public testing::TestWithParam<HardMoves> {};
+
+TEST_P(ExactMapOfFewFaces, IsFoundInOneWayOrAnother) {
+  const MappedSurface map = ballMap(4);
+  const Moves asked = moves(map, GetParam().angle, GetParam().seed);
+  const ExactMap held = holdExactly(map, asked.points, asked.targets, asked.names);
+  EXPECT_LT(farthest(held.map, asked), 1e-12);
+  EXPECT_TRUE(certify(map.faces(), held.map.positions()).valid());
+}
+
+INSTANTIATE_TEST_SUITE_P(ByHalfStepsAlone, ExactMapOfFewFaces,
+                         testing::Values(HardMoves{0.9, 11}, HardMoves{1.2, 13}));
+INSTANTIATE_TEST_SUITE_P(ByMendingAlone, ExactMapOfFewFaces, testing::Values(HardMoves{0.9, 22}));
+INSTANTIATE_TEST_SUITE_P(ByTheFlowAlone, ExactMapOfFewFaces,
+                         testing::Values(HardMoves{0.6, 2}, HardMoves{0.6, 4}));
+
+TEST(ExactMap, NamesTheOneThatStaysOffWhereNoMapHoldsThem) {
+  // Three of one face, one of them beyond the other two: the face would have to turn over.
+  const MappedSurface map = ballMap(4);
+  Moves asked;
+  for (int k = 0; k < 3; ++k) {
+    SurfacePoint point;
+    point.face = 7;
+    point.weights = Vector3::Constant(0.2) + 0.4 * Vector3::Unit(k);
+    asked.points.push_back(point);
+    asked.targets.push_back(placeOf(map, point));
+    asked.names.push_back("anchor " + std::to_string(k));
+  }
+  asked.targets[2] = (asked.targets[0] + asked.targets[1] - asked.targets[2]).normalized();
+  try {
+    holdExactly(map, asked.points, asked.targets, asked.names);
+    FAIL() << "no face can be turned over";
+  } catch (const AnchorError& error) {
+    EXPECT_EQ(error.finding().fault, Fault::AnchorsNotHeld);
+    EXPECT_EQ(error.finding().name, "ball");
+    EXPECT_EQ(error.finding().other.rfind("anchor ", 0), 0U);
+    EXPECT_GT(error.finding().value, exactDistance);
+  }
 }
 
 TEST(SnappedMap, MakesPointsLandmarksEachOneOfItsOwn) {

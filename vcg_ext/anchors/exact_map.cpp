@@ -29,14 +29,19 @@ constexpr double nearEnds = 1e-3;
 /// Ways longer than this (radians) are relaxed for, in the end and so often on the way.
 constexpr double farAway = 0.15, betweenRelaxations = 0.3;
 
-/// How points are brought to their targets: mostly the first finds a map, sometimes only the other.
+/// A step that cannot be untangled is halved, down to this share of the usual.
+constexpr double leastShare = 0.05;
+
+/// How points are brought to their targets: mostly the first finds a map, sometimes only another.
 struct Manner {
   bool faceAsItIs;  ///< the corners of a point's face go with it
   bool spreads;     ///< what is squeezed and stretched on long ways, on the way
+  bool waits;       ///< where a step cannot be untangled: spreads, and takes half of it
   int mostSteps;
   int ringsWithHeld;  ///< of patches that are untangled
 };
-constexpr Manner spreading{true, true, 240, 12}, flowAlone{false, false, 60, 4};
+constexpr Manner manners[]{
+    {true, true, true, 240, 12}, {true, true, false, 240, 12}, {false, false, false, 60, 4}};
 
 /// The tangent at p that leads to q along the great circle, as long as the way.
 Vector3 wayFrom(const Vector3& p, const Vector3& q) {
@@ -225,6 +230,10 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
     return most;
   };
   double most = result.longestWay = look();
+  const auto notHeld = [&] {
+    return AnchorError(
+        Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
+  };
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
   const std::vector<int> owners = ownersOf(surface, points);
   std::vector<char> held;
@@ -253,7 +262,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
   std::optional<Relaxation> relaxation;
   if (result.longestWay > farAway)
     relaxation.emplace(map, held, std::min(1.0, 2 * result.longestWay));
-  double sinceRelaxed = 0;
+  double sinceRelaxed = 0, shorter = 1;
   for (;; most = look(), ++result.steps) {
     if (most < exactDistance) {
       if (!relaxation) break;
@@ -261,10 +270,8 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
       relaxation.reset();  // what follows are the last bits
       continue;
     }
-    if (result.steps == manner.mostSteps)
-      throw AnchorError(
-          Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
-    const double share = std::min(1.0, stepPerWidth * width / most);
+    if (result.steps == manner.mostSteps) throw notHeld();
+    const double share = std::min(1.0, shorter * stepPerWidth * width / most);
     sinceRelaxed += share * most;
     Points moved = movedBy(share);
     if (std::optional<MappedSurface> valid = MappedSurface::ifValid(surface, moved)) {
@@ -274,7 +281,15 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
         Untangled mended = untangle(surface, moved, manner.ringsWithHeld, {}, held);
         result.untangledFaces += mended.repairedFaces;
         result.map = std::move(mended.map);
-      } catch (const MapError&) {  // what moves the points, too; the next steps bring them back
+      } catch (const MapError&) {
+        if (relaxation && manner.waits) {
+          if (shorter < leastShare) throw notHeld();
+          result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
+          shorter /= 2;
+          sinceRelaxed = 0;
+          continue;
+        }
+        // What moves the points, too; the next steps bring them back.
         Untangled mended = mend(surface, std::move(moved));
         result.untangledFaces += mended.repairedFaces;
         result.map = std::move(mended.map);
@@ -285,6 +300,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
       result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
       sinceRelaxed = 0;
     }
+    shorter = std::min(1.0, 2 * shorter);
   }
   return result;
 }
@@ -301,15 +317,15 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
   std::vector<Vector3> places;
   for (const SurfacePoint& point : points) places.push_back(placeOf(map, point));
   requireApart(places, targets, map.surface().name(), names);
-  try {
-    return broughtTo(map, points, targets, names, spreading);
-  } catch (const AnchorError&) {
+  std::optional<AnchorError> first;  // says more than those of the others
+  for (const Manner& manner : manners) {
     try {
-      return broughtTo(map, points, targets, names, flowAlone);
-    } catch (const AnchorError&) {  // the first says more
+      return broughtTo(map, points, targets, names, manner);
+    } catch (const AnchorError& error) {
+      if (!first) first = error;
     }
-    throw;
   }
+  throw *first;
 }
 
 }  // namespace sphere_propagation
