@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/groupwise/description_length.h"
@@ -26,6 +27,13 @@ namespace sphere_propagation {
 namespace {
 
 using test::Mesh;
+using test::sizeFor;
+
+GroupwiseParameters sized() {
+  GroupwiseParameters parameters;
+  parameters.frequency = sizeFor(parameters.frequency, 5);
+  return parameters;
+}
 
 /// A smooth field that turns round an axis here and flows there.
 Eigen::VectorXd someField(const SphereFields& fields, unsigned seed, double speed) {
@@ -39,7 +47,7 @@ Eigen::VectorXd someField(const SphereFields& fields, unsigned seed, double spee
 /// Egg-shaped bodies of three modes: material point u of the sphere lies at place(u).
 class Family {
  public:
-  explicit Family(int count, unsigned seed = 3, int frequency = 12)
+  explicit Family(int count, unsigned seed = 3, int frequency = sizeFor(12, 8))
       : sphere_(test::icosphereMesh(frequency)), fields_(3, 0.5) {
     test::Random random(seed);
     for (int k = 0; k < count; ++k) {
@@ -320,7 +328,7 @@ TEST(Groupwise, RecoversAKnownWarp) {
   const Family family(8);
   const std::vector<MappedSurface> warped = family.mapped(0.25);
   ThreadPool pool(2);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.alignment = Alignment::None;
   const Groupwise found = optimiseGroupwise(warped, pool, parameters);
   EXPECT_LT(family.error(mapsOf(found)), 0.5 * family.error(warped));
@@ -334,7 +342,7 @@ TEST(Groupwise, RecoversAKnownWarp) {
 
 /// A body that is none of the family: three limbs.
 MappedSurface stranger() {
-  const Mesh sphere = test::icosphereMesh(12);
+  const Mesh sphere = test::icosphereMesh(sizeFor(12, 8));
   Points body = sphere.vertices;
   for (auto x : body.rowwise()) {
     const double reach = x.maxCoeff();
@@ -358,7 +366,7 @@ TEST(Groupwise, ShapesThatDoNotBelongMoveTheOthersHardly) {
   const Family family(9);
   const std::vector<MappedSurface> warped = family.mapped(0.25);
   ThreadPool pool(2);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.iterations = 4;
   const double alone = family.error(mapsOf(optimiseGroupwise(warped, pool, parameters)));
   std::vector<MappedSurface> all = warped;
@@ -374,8 +382,9 @@ TEST(Groupwise, ShapesThatDoNotBelongMoveTheOthersHardly) {
 }
 
 TEST(Groupwise, TrustsFewShapesAndThoseOfAnyVariance) {
+  if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
   ThreadPool pool(1);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.iterations = 2;
   for (const GroupwiseShape& shape :
        optimiseGroupwise({Family(1).mapped(0)[0], stranger(), stranger()}, pool, parameters).shapes)
@@ -392,9 +401,10 @@ TEST(Groupwise, TrustsFewShapesAndThoseOfAnyVariance) {
 }
 
 TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
+  if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
   const Family family(6);
   ThreadPool pool(1);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.alignment = Alignment::None;
   const double spread = family.error(family.mapped(0.25));
   EXPECT_LT(family.error(mapsOf(optimiseGroupwise(family.mapped(0), pool, parameters))),
@@ -404,13 +414,14 @@ TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
 TEST(Groupwise, ShapesThatAgreeStayAsTheyAre) {
   const MappedSurface one = Family(1).mapped(0).front();
   ThreadPool pool(1);
-  const Groupwise found = optimiseGroupwise({one, one, one}, pool);
+  const Groupwise found = optimiseGroupwise({one, one, one}, pool, sized());
   for (const GroupwiseShape& shape : found.shapes)
     EXPECT_LT(largestAngle(shape.map.positions(), one.positions()), 1e-9);
   EXPECT_NEAR(found.varianceAfter, 0, 1e-20);
 }
 
 TEST(Groupwise, TurnsAndScalesWithTheShapes) {
+  if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
   const std::vector<MappedSurface> given = Family(4).mapped(0.2);
   std::vector<MappedSurface> moved;
   const Eigen::Matrix3d turn = test::randomRotation(4);
@@ -419,7 +430,7 @@ TEST(Groupwise, TurnsAndScalesWithTheShapes) {
         map.surface().withVertices((1000 * map.surface().vertices() * turn.transpose()).rowwise() +
                                    Eigen::RowVector3d(5000, -100, 7))));
   ThreadPool pool(1);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.iterations = 3;
   const Groupwise a = optimiseGroupwise(given, pool, parameters),
                   b = optimiseGroupwise(moved, pool, parameters);
@@ -434,7 +445,7 @@ TEST(Groupwise, IsTheSameWithAnyNumberOfThreads) {
   const std::vector<MappedSurface> given = Family(4).mapped(0.2);
   for (const auto objective :
        {GroupwiseObjective::PopulationModel, GroupwiseObjective::DescriptionLength}) {
-    GroupwiseParameters parameters;
+    GroupwiseParameters parameters = sized();
     parameters.objective = objective;
     parameters.iterations = 3;
     ThreadPool one(1), three(3);
@@ -447,8 +458,9 @@ TEST(Groupwise, IsTheSameWithAnyNumberOfThreads) {
 }
 
 TEST(Groupwise, TheDescriptionLengthFalls) {
+  if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
   ThreadPool pool(1);
-  GroupwiseParameters parameters;
+  GroupwiseParameters parameters = sized();
   parameters.objective = GroupwiseObjective::DescriptionLength;
   const Groupwise found = optimiseGroupwise(Family(5).mapped(0.2), pool, parameters);
   ASSERT_EQ(found.costs.size(), 9U);

@@ -499,6 +499,7 @@ TEST(SurfacePreparation, JoinsTheSidesOfAWallWhereAsked) {
   for (const auto& [around, rows, size] : {std::tuple(32, 12, 0.8), {19, 9, 0.7}, {50, 20, 0.9}})
     for (const bool inwards : {true, false})
       for (const bool innerFirst : {true, false}) {
+        if (underSanitizer() && around != 32 && inwards == innerFirst) continue;
         Mesh inner = moved(stretched(bowl(0.15, around, rows), size, size, size), 0.03, 0, 0);
         if (inwards) inner.faces.col(1).swap(inner.faces.col(2));
         const PreparedMesh result =
@@ -542,6 +543,7 @@ TEST(SurfacePreparation, JoinsWallsThatAreOpenAtSeveralValves) {
     for (const std::vector<Vector3>& valves :
          {std::vector<Vector3>{mitral, aortic}, {mitral, aortic, side}, {side, -side}})
       for (const auto& [radius, unit] : {std::pair(6.0, 1.0), {9.0, 0.001}}) {
+        if (underSanitizer() && (lid == LidShape::Flat) != (unit == 1)) continue;
         join.lid = lid;
         Mesh in = valved(inner, valves, radius);
         in.faces.col(1).swap(in.faces.col(2));
