@@ -40,9 +40,9 @@ case $1 in
   merge) : >moments/$2/$3.npz ;;
   model) : >model/basis.npz ;;
   scores) : >scores/$2.npy; : >scores/$2_cycle.npy; : >scores/$2.json ;;
-  cycle) : >cycle/model.npz; : >cycle/scores.csv ;;
+  cycle) : >cycle/model.npz; : >cycle/model.json; : >cycle/scores.csv ;;
   report) : >report.html; : >subjects.csv
-    for name in model.npz model.csv measures.csv explore.html; do : >model/$name; done ;;
+    for name in model.npz model.csv model.json measures.csv explore.html; do : >model/$name; done ;;
 esac
 """
 

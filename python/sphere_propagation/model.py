@@ -53,13 +53,21 @@ class ShapeModel:
     def generalisation(self) -> np.ndarray:
         """Mean distance of a shape from its best approximation by the model of all others, by
         number of modes."""
-        return self.figures["generalisation"]
+        return self._measured("generalisation")
 
     @property
     def specificity(self) -> np.ndarray:
         """Mean distance of random shapes of the model from the nearest training shape, by number of
         modes."""
-        return self.figures["specificity"]
+        return self._measured("specificity")
+
+    def _measured(self, name: str) -> np.ndarray:
+        if name not in self.figures:
+            raise InputError(
+                f"The model's {name} was not measured: its file does not have it. shape_model() "
+                "measures it, and files of models that cohort made have it."
+            )
+        return self.figures[name]
 
     def __repr__(self) -> str:
         share = self.figures.get("variance_share", ())

@@ -15,6 +15,7 @@ from .model import ShapeModel
 from .parameters import path_of, whole_number
 
 NAMES = ("anchor_names", "anchor_landmarks")  # arrays of texts, and of numbers
+MEASURED = ("generalisation", "generalisation_error", "specificity", "specificity_error")
 NEEDED = ("mean", "modes", "eigenvalues", "scores", "faces")
 
 
@@ -22,10 +23,12 @@ def read_model(path) -> ShapeModel:
     """A shape model as `shape_model(export_file="model.npz")` and `run` leave it (.npz), or as
     statismo and scalismo write it: .h5 (by h5py, the extra `models`) and .json.
 
-    The file says nothing of names, which are those in landmarks.npz beside it, where `run` put it,
-    else "shape 0" and so on; nor of modes that were left out: total_variance is that of its own,
-    and compactness and variance_share are all figures. Models of other programs have no training
-    shapes, as a rule: then scores are (0, M). Triangles of theirs are taken as they are, outwards.
+    Files of `cohort` have names, the total variance, and generalisation and specificity, of its
+    subjects' frames. Others say nothing of names, which are those in landmarks.npz beside it, where
+    `run` put it, else "shape 0" and so on; nor of modes that were left out: total_variance is that
+    of its own, and compactness and variance_share are all figures. Models of other programs have no
+    training shapes, as a rule: then scores are (0, M). Triangles of theirs are taken as they are,
+    outwards.
     """
     path = path_of(path)
     _require_no_folder(path)
@@ -60,7 +63,10 @@ def read_model(path) -> ShapeModel:
         raise FileError(f"{path} is no shape model: an eigenvalue is negative.")
     compactness = np.cumsum(eigenvalues, dtype=float)
     total = float(compactness[-1]) if len(eigenvalues) else 0.0
-    names, _ = beside(path)
+    if "total_variance" in found:
+        total = float(found["total_variance"])
+    names = [str(name) for name in np.ravel(found.get("names", ()))] or beside(path)[0]
+    measured = {name: found[name] for name in MEASURED if np.ndim(found.get(name)) == 1}
     return ShapeModel(
         mean,
         modes,
@@ -69,7 +75,7 @@ def read_model(path) -> ShapeModel:
         faces.astype(np.int32),
         names if len(names) == len(scores) else [f"shape {k}" for k in range(len(scores))],
         total,
-        {"compactness": compactness, "variance_share": compactness / (total or 1.0)},
+        {"compactness": compactness, "variance_share": compactness / (total or 1.0), **measured},
         found.get("lid"),
         float(found["noise_variance"]) if "noise_variance" in found else 0.0,
         _names_in(path, found),

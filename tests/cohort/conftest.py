@@ -10,7 +10,7 @@ import pytest
 import sphere_propagation as sp
 from sphere_propagation.files import write_ply
 
-SUBJECTS, PHASES = 24, 8
+SUBJECTS, PHASES, CHUNK = 24, 8, 6
 
 
 @pytest.fixture(scope="session")
@@ -23,12 +23,15 @@ def cluster() -> Path:
 
 @pytest.fixture(scope="session")
 def subjects(tmp_path_factory) -> Path:
-    """A folder per subject, a file per phase: beating ventricles, small for the test's sake."""
-    root = tmp_path_factory.mktemp("input")
+    """A folder per subject, a file per phase: beating ventricles, small for the test's sake, as the
+    study is (study.toml beside it): most of a small job on a cluster is the start of Snakemake."""
+    root = tmp_path_factory.mktemp("study") / "input"
+    root.mkdir()
+    (root.parent / "study.toml").write_text(f"chunk = {CHUNK}\nfrequency = 6\n")
     for s in range(SUBJECTS):
         folder = root / f"sub-{s:02d}"
         folder.mkdir()
-        phases = sp.make_phantom(part="Cavity", phases=PHASES, voxel_size=3, seed=s)
+        phases = sp.make_phantom(part="Cavity", phases=PHASES, voxel_size=4, seed=s)
         for k, surface in enumerate(phases):
             write_ply(folder / f"phase_{k}.ply", surface.vertices, surface.faces)
     return root

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Callable, Dict, Iterable, List
 
 import numpy as np
-from conftest import PHASES, SUBJECTS
+from conftest import CHUNK, PHASES, SUBJECTS
 
 PROFILE = Path(__file__).with_name("profile")
 PATIENCE = 900  # seconds, on machines that have other things to do
@@ -102,8 +102,9 @@ def results(folder: Path) -> Dict[str, str]:
 
 def test_a_cluster_that_loses_a_job_and_daemons_comes_to_the_same_bits(cluster, subjects, tmp_path):
     here, there = tmp_path / "cores", tmp_path / "slurm"
-    subprocess.run(cohort(subjects, here, "group", "--cores", 2), check=True)
-    with subprocess.Popen(cohort(subjects, there, "group", "--profile", PROFILE)) as run:
+    study = ("--config", subjects.parent / "study.toml")
+    subprocess.run(cohort(subjects, here, "group", "--cores", 2, *study), check=True)
+    with subprocess.Popen(cohort(subjects, there, "group", "--profile", PROFILE, *study)) as run:
         # A job in the middle of its work is killed, as one that takes too much memory is.
         lost = until(lambda: running("landmarks"), "a job with landmarks", run)[0]
         kill(until(lambda: step_of(lost), "its step", run))
@@ -111,27 +112,32 @@ def test_a_cluster_that_loses_a_job_and_daemons_comes_to_the_same_bits(cluster, 
         # Then the daemon of the node, which leaves its jobs alone, and comes back ...
         until(lambda: running("landmarks"), "another job with landmarks", run)
         killed(cluster / "slurmd.pid")
-        time.sleep(3)
+        time.sleep(1)
         subprocess.run(["slurmd"], check=True)
         until(is_up, "the node", run)
         # ... and the controller, which remembers its jobs.
         until(lambda: running("landmarks"), "a job with landmarks after that", run)
         killed(cluster / "slurmctld.pid")
-        time.sleep(3)
+        time.sleep(1)
         subprocess.run(["slurmctld"], check=True)
         assert run.wait(PATIENCE) == 0
 
     # What the lost job is called now, nobody promises: a controller that was killed goes on from
     # what it had written, and may have given the job to a node again.
     jobs = re.split(r"\n(?=JobId=)", asked("scontrol", "show", "jobs"))
-    # Every step ran there, at least once, and said how much memory it wants.
+    # Every step ran there, at least once, and said how much memory it wants; what follows on the
+    # landmarks of few subjects is one job.
     rules = [re.search(r"Comment=rule_(\w+)", job)[1] for job in jobs]
-    wanted = ["import_chunk", "atlas", "landmarks", "scatter", "model", "scores", "cycle", "report"]
+    wanted = ["import_chunk", "atlas", "landmarks", "models"]
     assert all(any(rule.startswith(one) for rule in rules) for one in wanted), rules
+    last = {rule for rule in rules if rule.startswith("models")}
+    assert all(step in one for one in last for step in ("scatter", "scores", "cycle", "report"))
     assert all(re.search(r"TRES=.*mem=\d", job) for job in jobs)
 
     expected = results(here)
-    assert len([name for name in expected if name.startswith("landmarks/")]) >= 2 * 8
+    assert (
+        len([name for name in expected if name.startswith("landmarks/")]) == 2 * SUBJECTS // CHUNK
+    )
     assert results(there) == expected
     with np.load(here / "model" / "model.npz") as model:
         assert int(model["shapes"]) == SUBJECTS * PHASES

@@ -5,6 +5,7 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import sphere_propagation as sp
 from sphere_propagation.cohort import plan, steps, store, study, subjects
 
@@ -32,6 +33,38 @@ def make_input(folder: Path, count: int = 3) -> Path:
     return folder
 
 
+def octahedron(rounds: int = 3):
+    """A ball of triangles, (vertices, faces)."""
+    v = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+    f = np.array(
+        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+    )
+    for _ in range(rounds):
+        edges = np.sort(np.concatenate([f[:, [0, 1]], f[:, [1, 2]], f[:, [2, 0]]]), axis=1)
+        ends, at = np.unique(edges, axis=0, return_inverse=True)
+        a, b, c = (len(v) + part for part in at.reshape(3, -1))
+        middle = v[ends].mean(1)
+        v = np.r_[v, middle / np.linalg.norm(middle, axis=1, keepdims=True)]
+        corners = [(f[:, 0], a, c), (f[:, 1], b, a), (f[:, 2], c, b), (a, b, c)]
+        f = np.concatenate([np.stack(one, 1) for one in corners])
+    return v, f
+
+
+def hand(seed: int) -> sp.Surface:
+    """Three lobes of different size on an ellipsoid, which has a left and a right, mm."""
+    draw = np.random.RandomState(seed)
+    v, f = octahedron(4)
+    radius = np.ones(len(v))
+    lobes = ([0.8, 0.5, 0.3], 0.6), ([-0.6, 0.7, 0.4], 0.45), ([0.1, -0.6, 0.8], 0.3)
+    for place, height in lobes:
+        place = np.asarray(place) + 0.05 * draw.randn(3)
+        place /= np.linalg.norm(place)
+        radius += height * np.exp(0.1 * draw.randn()) * np.exp(4 * (v @ place - 1))
+    size = 30 * np.exp(0.08 * draw.randn())
+    points = size * radius[:, None] * v * [1.5, 1.0, 0.7]
+    return sp.Surface(points + draw.randn(3), f, f"hand {seed}")
+
+
 @contextmanager
 def inside(folder: Path):
     before = os.getcwd()
@@ -45,9 +78,9 @@ def inside(folder: Path):
 def planned(where: Path, output: Path, **keys):
     """Writes the plan as the command does."""
     made = study.checked({**STUDY, **keys})
-    base, found = subjects.find(where, made, where)
+    base, found, remarks = subjects.find(where, made, where)
     output.mkdir(exist_ok=True)
-    return plan.write(output, made, base, found, where)
+    return plan.write(output, made, base, found, where, remarks)
 
 
 def run_steps(output: Path) -> None:

@@ -3,6 +3,7 @@
 again."""
 
 import os
+import re
 import subprocess
 import sys
 import time
@@ -33,7 +34,7 @@ def run(*words, code=0):
         command(*words), capture_output=True, text=True, timeout=600, check=False, env=environment()
     )
     assert ended.returncode == code, ended.stdout + ended.stderr
-    return ended.stderr if code else ended.stdout
+    return ended.stderr if code in (1, 2) else ended.stdout
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,7 @@ def study(tmp_path_factory):
         "frequency = 4\nmodes = 8\ncycle_phases = 6\natlas_subjects = 2\n"
     )
     words = folder / "in", folder / "out", "group", "--config", folder / "study.toml"
-    said = run(*words, "--cores", 2)
+    said = run(*words, "--cores", 2, code=3)
     return folder, words, said
 
 
@@ -86,7 +87,7 @@ def test_a_run_that_was_killed_goes_on_to_the_same_bits(study, tmp_path):
         refused = run(*words, "--cores", 1, code=2)
         assert "Another run is at work" in refused and f"process {resumed.pid} on" in refused
         said, _ = resumed.communicate()
-    assert resumed.returncode == 0 and "2 subjects done" in said
+    assert resumed.returncode == 3 and "2 subjects done" in said
     assert results(out) == results(folder / "out")
     assert not list(out.rglob("*.part"))
 
@@ -103,7 +104,7 @@ def test_only_what_depends_on_a_change_is_done_again(study):
     planned = run(*words, "--dry-run")
     assert "import: 1\n" in planned and "landmarks: 1\n" in planned and "atlas" not in planned
     before = {path: path.stat().st_mtime_ns for path in out.glob("landmarks/*.npy")}
-    run(*words, "--cores", 2)
+    run(*words, "--cores", 2, code=3)
     assert all(path.stat().st_mtime_ns == then for path, then in before.items())
     assert len(list(out.glob("landmarks/*.npy"))) == len(before) + 1
     assert "sub-99" in (out / "subjects.csv").read_text()
@@ -126,7 +127,37 @@ def test_a_study_does_not_become_that_of_one_subject(study):
     name = sorted(path.name for path in (folder / "in").iterdir())[0]
     said = run(*words, "--participant-label", name, "--dry-run", code=2)
     assert "--participant-label does not name" in said
-    assert run(*words[:1], folder / "one", *words[2:], "--participant-label", name, "--dry-run")
+    words = (words[0], folder / "one", "participant", *words[3:], "--participant-label", name)
+    assert run(*words, "--dry-run")
+
+
+def test_one_subject_makes_no_model(study, tmp_path):
+    said = run(study[1][0], tmp_path / "out", "group", "--participant-label", "00", code=2)
+    assert "1 subject of 1 can take part" in said and "level participant" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_dry_run_names_whom_the_run_would_leave_out_and_counts_its_jobs(study, tmp_path):
+    rows = [f"sub-0{s},{study[0]}/in/sub-0{s}/phase_0.ply" for s in range(2)]
+    table = tmp_path / "t.csv"
+    table.write_text("\n".join(["subject,file", *rows, "sub-07,none.ply"]) + "\n")
+    words = table, tmp_path / "out", *study[1][2:]
+    dry = run(*words, "--dry-run", code=3)
+    assert "sub-07: There is no file none.ply, which line 4 of t.csv names." in dry
+    counted = int(re.search(r"(\d+) jobs would run", dry)[1])
+    assert f"{counted} of {counted} jobs done" in run(*words, "--cores", 2, code=3)
+
+
+def test_errors_name_the_users_files(study):
+    """A dry run plans in a folder of its own, of which nobody need know."""
+    folder, words, _ = study
+    table = folder / "out/exclude.csv"
+    table.write_text("subject,exclude\nsub-00,maybe\n")
+    try:
+        said = run(*words, "--dry-run", code=2)
+    finally:
+        table.unlink()
+    assert f"{table}: line 2 says 'maybe' in the column exclude of sub-00" in said
 
 
 def test_messages_call_keys_as_the_file_does(study, tmp_path):

@@ -21,7 +21,7 @@ def touched(folder: Path, *names: str) -> Path:
 
 
 def found_in(folder, **keys):
-    _, found = subjects.find(folder, study.checked(keys), folder)
+    _, found, _ = subjects.find(folder, study.checked(keys), folder)
     return {one.name: one.files for one in found}
 
 
@@ -46,7 +46,7 @@ def test_a_bids_like_tree(tmp_path):
         "sub-10_ses-1": ["sub-10/ses-1/anat/sub-10_ses-1_dseg.nii.gz"],
         "sub-10_ses-2": ["sub-10/ses-2/anat/sub-10_ses-2_dseg.nii.gz"],
     }
-    _, found = subjects.find(tmp_path, STUDY, tmp_path)
+    _, found, _ = subjects.find(tmp_path, STUDY, tmp_path)
     of = {one.name: one for one in found}
     assert of["sub-02"].groups == {"sex": "f"} and of["sub-10_ses-1"].groups == {"sex": "m"}
     assert "no label volume" in of["sub-3"].failed
@@ -64,12 +64,88 @@ def test_a_folder_per_subject_and_one_folder_of_files(tmp_path):
     assert found_in(tmp_path / "b") == {"h2": ["h2.nii.gz"], "h10": ["h10.nii.gz"]}
 
 
+def remarks_on(folder, **keys):
+    return "\n".join(subjects.find(folder, study.checked(keys), folder).remarks)
+
+
+def test_what_is_not_taken_is_named(tmp_path):
+    """Beside subjects' folders, in them, and where most subjects' files are chosen otherwise."""
+    touched(
+        tmp_path,
+        *(f"sub-{s}/anat/sub-{s}_dseg.nii.gz" for s in range(4)),
+        "sub-0/anat/sub-0_T1w.nii.gz",
+        "sub-0/anat/sub-0_dseg.json",
+        "sub-4/anat/sub-4_label.nii.gz",
+        "sub-5/ses-1/sub-5_dseg.nii.gz",
+        "sub-5/anat/sub-5_dseg.nii.gz",
+        "sub-3/anat/sub-3_dseg.mgz",
+        "derivatives/x/a.nii.gz",
+        "others/a.nii.gz",
+        "mean.nii.gz",
+    )
+    (tmp_path / "participants.tsv").write_text(
+        "participant_id\tsex\tstatus\n" + "".join(f"sub-{s}\tf\t\n" for s in (0, 1, 2, 3, 5, 77))
+    )
+    said = remarks_on(tmp_path)
+    for words in (
+        "1 folder not called sub-… is left out: others",
+        "1 file beside the folders of subjects is left out: mean.nii.gz",
+        "1 file beside segmentations (_dseg, _mask, _probseg) is left out: "
+        "sub-0/anat/sub-0_T1w.nii.gz",
+        "1 file beside sessions (ses-…) is left out: sub-5/anat/sub-5_dseg.nii.gz",
+        "1 subject has no segmentations (_dseg, _mask, _probseg), as others have, and label "
+        "volumes are taken: sub-4",
+        "1 file of a kind that is not read is left out: sub-3/anat/sub-3_dseg.mgz",
+        "1 column of participants.tsv is left out, because subjects.csv has one of that name: "
+        "status",
+        "1 subject of participants.tsv is not among the files: sub-77",
+        "1 subject is not in participants.tsv, and in no group: sub-4",
+    ):
+        assert words in said
+    assert said.count("\n") == 8
+
+
+def test_of_files_and_folders_the_more_are_subjects(tmp_path):
+    touched(tmp_path / "a", "anna/1.ply", "bob/1.ply", "template.ply")
+    assert sorted(found_in(tmp_path / "a")) == ["anna", "bob"]
+    assert "beside the folders of subjects is left out: template.ply" in remarks_on(tmp_path / "a")
+    touched(tmp_path / "b", "a.ply", "b.ply", "old/a.ply")
+    assert sorted(found_in(tmp_path / "b")) == ["a", "b"]
+    assert "1 folder beside the 2 files of subjects is left out: old" in remarks_on(tmp_path / "b")
+    touched(tmp_path / "c", "a.ply", "b.ply", "readme.txt")
+    assert remarks_on(tmp_path / "c") == ""
+
+
+def test_what_is_not_taken_is_in_the_plan_of_the_report(tmp_path):
+    where = touched(tmp_path / "in", "anna/1.ply", "bob/1.ply", "template.ply")
+    planned(where, tmp_path / "out")
+    assert "template.ply" in store.read_json(tmp_path / "out/plan/report.json")["remarks"][0]
+
+
+def test_one_file_is_no_two_shapes(tmp_path):
+    touched(tmp_path, "in/anna/1.ply", "in/bob/2.ply")
+    os.symlink(tmp_path / "in/anna/1.ply", tmp_path / "in/bob/1.ply")
+    with pytest.raises(sp.InputError, match="bob: the file bob/1.ply is given and is of anna, too"):
+        subjects.find(tmp_path / "in", STUDY, tmp_path)
+
+
+def test_files_that_are_missing_are_said_before_anything_runs(tmp_path):
+    touched(tmp_path, "a.ply")
+    (tmp_path / "t.csv").write_text("subject,file\na,a.ply\nb,b.ply\n")
+    found = subjects.find(tmp_path / "t.csv", STUDY, tmp_path).subjects
+    assert [one.failed for one in found] == [
+        "",
+        "There is no file b.ply, which line 3 of t.csv names.",
+    ]
+
+
 def test_a_table(tmp_path):
     (tmp_path / "study.csv").write_text(
         "subject,phase,file,group,anchors\nb,10,b10.ply,ill,\nb,9,b9.ply,ill,b.csv\n"
         f"a,,{tmp_path}/a.nii,well,\nc,,,ill,\n"
     )
-    base, found = subjects.find(tmp_path / "study.csv", STUDY, tmp_path)
+    touched(tmp_path, "a.nii", "b9.ply", "b10.ply", "b.csv")
+    base, found, _ = subjects.find(tmp_path / "study.csv", STUDY, tmp_path)
     of = {one.name: one for one in found}
     assert base == tmp_path and list(of) == ["a", "b", "c"]
     assert of["b"].files == ["b9.ply", "b10.ply"] and of["b"].anchors == "b.csv"
@@ -83,6 +159,12 @@ def test_a_table(tmp_path):
         ("subject,phase\na,1\n", "lacks the column 'file'"),
         ("subject,file\n,a.ply\n", "line 2 says no subject"),
         ("subject,file\na/b,a.ply\n", "becomes the name of files"),
+        ("subject,phase,file\na,1,x.ply\na,01,y.ply\n", "line 3 gives a the phase '01' once more"),
+        ("subject,file,sex\na,x.ply,f\na,y.ply,m\n", "line 3 says 'm' in the column sex of a"),
+        ("subject,file,status\na,x.ply,f\n", "cannot be called 'status'"),
+        ("subject,file\na,x.ply\nb,./x.ply\n", "b: the file x.ply is given and is of a, too"),
+        ("subject,file\na,x.ply\na,x.ply\n", "a: the file x.ply is given twice"),
+        ("subject,file\na,x,y.ply\n", "line 2 has more cells than there are columns"),
     ],
 )
 def test_tables_that_say_too_little(tmp_path, text, says):
@@ -162,6 +244,11 @@ def changed(output, before):
     return sorted(name for name in now if now[name] != before.get(name))
 
 
+def test_how_many_subjects_a_job_has_may_be_said(tmp_path):
+    where = touched(tmp_path / "in", *(f"s{i:02d}.ply" for i in range(40)))
+    assert list(planned(where, tmp_path / "out", chunk=30)["chunks"].values()) == [30, 10]
+
+
 def test_only_what_changes_is_written_again(tmp_path):
     where = touched(tmp_path / "in", *(f"s{i:02d}.ply" for i in range(40)))
     out = tmp_path / "out"
@@ -230,7 +317,12 @@ def test_a_file_whose_time_alone_has_changed_is_the_same(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text, says", [("name\na\n", "lacks the column subject"), ("subject\nz\n", "no subject 'z'")]
+    "text, says",
+    [
+        ("name\na\n", "lacks the column subject"),
+        ("subject\nz\n", "no subject 'z'"),
+        ("subject,exclude\na,maybe\n", "line 2 says 'maybe' in the column exclude of a: it is yes"),
+    ],
 )
 def test_tables_of_the_excluded(tmp_path, text, says):
     (tmp_path / "x.csv").write_text(text)

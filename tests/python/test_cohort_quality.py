@@ -11,29 +11,13 @@ import zlib
 import browser
 import numpy as np
 import pytest
+from cohort_inputs import octahedron
 from sphere_propagation.cohort import quality
 from sphere_propagation.cohort import study as study_file
 from sphere_propagation.cohort.thumbnails import Studio, png, sheet
 from sphere_propagation.errors import InputError
 
 PHASES, CHUNK = 12, 50
-
-
-def octahedron(rounds: int = 3):
-    """A ball of triangles, (vertices, faces)."""
-    v = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
-    f = np.array(
-        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-    )
-    for _ in range(rounds):
-        edges = np.sort(np.concatenate([f[:, [0, 1]], f[:, [1, 2]], f[:, [2, 0]]]), axis=1)
-        ends, at = np.unique(edges, axis=0, return_inverse=True)
-        a, b, c = (len(v) + part for part in at.reshape(3, -1))
-        middle = v[ends].mean(1)
-        v = np.r_[v, middle / np.linalg.norm(middle, axis=1, keepdims=True)]
-        corners = [(f[:, 0], a, c), (f[:, 1], b, a), (f[:, 2], c, b), (a, b, c)]
-        f = np.concatenate([np.stack(one, 1) for one in corners])
-    return v, f
 
 
 def record(name: str, row: int, draw: np.random.RandomState) -> dict:
@@ -115,7 +99,11 @@ def study(folder, count: int, change=None, exclude=(), quality_table=None, seed:
         written(folder / "scores" / f"{block}.json", {"subjects": scored})
     written(folder / "plan" / "chunks.json", {"chunks": chunks, "levels": levels})
     written(
-        folder / "plan" / "model.json", {"parameters": {"unit": "mm"}, "exclude": list(exclude)}
+        folder / "plan" / "model.json",
+        {
+            "parameters": {"unit": "mm", "left_out": list(study_file.KINDS)},
+            "exclude": list(exclude),
+        },
     )
     written(folder / "plan" / "report.json", {"parameters": {"quality": quality_table or {}}})
     return folder
@@ -232,6 +220,37 @@ def test_alike_subjects_do_not_stand_out(tmp_path):
     folder = study(tmp_path, 12, {f"sub-{k:05d}": same for k in range(12)})
     assert quality.write(folder) == 0
     assert {row[3] for row in rows(folder).values()} == {0}
+
+
+def test_rounding_does_not_stand_out(tmp_path):
+    """Where the modes show all shapes as they are, what is left is rounding, and a hundred times
+    another's."""
+
+    def shown(one):
+        one["residual"] = [1e-9 * 10 ** (one["row"] // PHASES % 4)] * PHASES
+
+    quality.write(study(tmp_path, 40, {f"sub-{k:05d}": shown for k in range(40)}))
+    assert not any("outside of the model" in row[4] for row in rows(tmp_path).values())
+
+
+def test_who_is_not_like_the_others_comes_first_and_judges_nobody(tmp_path):
+    def like(kind):
+        return lambda one: one.update(odd=[{"kind": kind, "text": f"it is of {kind}"}])
+
+    odd = {
+        "sub-00003": like("another unit"),
+        "sub-00004": like("another size"),
+        "sub-00005": lambda one: one.update(
+            warnings=[{"message": "farOff", "layer": "p", "text": "p: it lies 9 edges off"}]
+        ),
+    }
+    quality.write(study(tmp_path, 30, odd))
+    found = rows(tmp_path)
+    assert list(found)[:2] == ["sub-00003", "sub-00004"]
+    assert found["sub-00003"][2] == "left out" and found["sub-00004"][2] == "done"
+    assert found["sub-00003"][4].startswith("it is of another unit")
+    assert found["sub-00005"][4].endswith("p: it lies 9 edges off")
+    assert "1 are left out of the model" in (tmp_path / "report.html").read_text()
 
 
 def test_few_of_many_normal_subjects_stand_out(tmp_path):

@@ -5,14 +5,16 @@ import csv
 import faulthandler
 import json
 import os
+import re
 import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sphere_propagation as sp
-from cohort_inputs import inside, make_input, planned, results, run_steps
-from sphere_propagation.cohort import cycles, importing, merging, store, worker
+from cohort_inputs import hand, inside, make_input, planned, results, run_steps
+from sphere_propagation import errors
+from sphere_propagation.cohort import cycles, importing, merging, store, wording, worker
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +95,89 @@ def test_the_model_is_that_of_all_shapes_at_once(done):
     assert model.noise_variance < 1e-9
     fitted = sp.fit(model, sp.make_phantom(phases=3, voxel_size=4.0, seed=1)[0])
     assert fitted.figures["surface_distance"] < 0.5
+
+
+def test_the_models_file_has_names_and_measures(done):
+    _, output = done
+    model = sp.read_model(output / "model/model.npz")
+    assert model.names[:4] == [
+        "sub-00 phase_0",
+        "sub-00 phase_1",
+        "sub-00 phase_2",
+        "sub-01 phase_0",
+    ]
+    with open(output / "model/measures.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert np.allclose(model.generalisation, [float(row["generalisation"]) for row in rows], 1e-4)
+    assert len(model.specificity) == len(rows) == 2 and model.total_variance > 0
+
+
+@pytest.fixture(scope="module")
+def hands(tmp_path_factory):
+    """Ten hands; of three more one is in cm, one mirrored, one three times as large. The atlas is
+    of nine of the 13, so that some of these are in it and some are not."""
+    folder = tmp_path_factory.mktemp("hands")
+    (folder / "in").mkdir()
+    changes = {2: lambda v: v / 10, 7: lambda v: v * [-1, 1, 1], 11: lambda v: 3 * v}
+    for seed in range(13):
+        surface = hand(seed)
+        vertices = changes.get(seed, lambda v: v)(surface.vertices)
+        faces = surface.faces[:, ::-1] if seed == 7 else surface.faces
+        sp.write_ply(folder / f"in/h{seed:02d}.ply", vertices, faces)
+    planned(folder / "in", folder / "out", atlas_subjects=9)
+    run_steps(folder / "out")
+    return folder
+
+
+def rows_of(output):
+    with open(output / "subjects.csv", newline="", encoding="utf-8") as file:
+        return {row["subject"]: row for row in csv.DictReader(file)}
+
+
+def test_who_is_in_another_unit_or_mirrored_is_named_and_left_out(hands):
+    rows = rows_of(hands / "out")
+    status = {name: row["status"] for name, row in rows.items() if row["status"] != "done"}
+    assert status == {"h02": "left out", "h07": "left out"}
+    assert "times smaller" in rows["h02"]["reason"] and "another unit" in rows["h02"]["reason"]
+    assert "mirror image" in rows["h07"]["reason"]
+    found = records(hands / "out").items()
+    kinds = {name: [one["kind"] for one in of["odd"]] for name, of in found if of["odd"]}
+    assert kinds == {"h02": ["another unit"], "h07": ["mirrored"], "h11": ["another size"]}
+    atlas = json.loads((hands / "out/atlas.json").read_text())
+    assert atlas["sided"] and not {"h02", "h07"} & set(atlas["subjects"])
+    with np.load(hands / "out/model/model.npz") as model:
+        assert int(model["shapes"]) == 11 and "h02" not in model["names"]
+
+
+def test_who_is_not_like_the_others_may_be_kept(hands):
+    output = hands / "out"
+    before = {path: path.stat().st_mtime_ns for path in output.glob("landmarks/*")}
+    planned(hands / "in", output, atlas_subjects=9, left_out=["mirrored"])
+    with inside(output):
+        assert (
+            sum(
+                len(merging.used(chunk, store.read_json(Path("plan/model.json"))))
+                for chunk in store.read_json(Path("plan/chunks.json"))["chunks"]
+            )
+            == 12
+        )
+    assert all(path.stat().st_mtime_ns == then for path, then in before.items())
+
+
+def test_where_sides_cannot_be_told_nobody_is_called_mirrored(done):
+    """Phantoms of ventricles are nearly their own mirror images."""
+    assert not any(of.get("odd") for of in records(done[1]).values())
+
+
+def test_advice_is_for_files():
+    for table, ours in (
+        (errors.FOR_ARRAYS, wording.ADVICE),
+        (errors.MESSAGES_FOR_ARRAYS, wording.MESSAGES),
+    ):
+        for name, (_, advice) in table.items():
+            said = wording.for_files(f"There is something. {advice}")
+            if name in ours or table is errors.FOR_ARRAYS:
+                assert not re.search(r"sp\.prepare\(|np\.|=True|\bfaces\[|scipy", said), name
 
 
 def test_the_model_of_motion_gives_back_the_cycles(done):

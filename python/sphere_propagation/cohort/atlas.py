@@ -5,21 +5,23 @@ if asked for, and their shape model, which is fitted to everybody's frame."""
 from __future__ import annotations
 
 import contextlib
+import os
+import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .. import attention, filters
 from ..correspondence import correspond
-from ..errors import FilterError
+from ..errors import FilterError, SpherePropagationError, SpherePropagationWarning
 from ..fitting import ANCHOR_FILES
 from ..model import ShapeModel
 from ..sphere_map import SphereMap
 from ..surface import Surface
-from . import frames, store
+from . import frames, likeness, store
 from .importing import words_of
 from .plan import PLAN
 from .worker import Failed, reason
@@ -31,12 +33,22 @@ ATLAS = Path("atlas.npz")
 class Atlas:
     """model: of the frames' landmarks, without modes where there is one frame; root: the frame
     whose map was handed on; faces: of the landmarks. The model's landmarks that anchors became
-    have their names."""
+    have their names. references: of a few frames, what subjects are compared with (likeness), with
+    the first one's map; sided: whether sides can be told; odd: frames that were left out as they
+    are not like the others."""
 
     model: ShapeModel
     root: Surface
     root_map: SphereMap
     faces: np.ndarray
+    references: np.ndarray
+    reference_map: Optional[SphereMap]
+    sided: bool = True
+    odd: Mapping[str, List[likeness.Oddity]] = field(default_factory=dict)
+
+    def known(self) -> List[Surface]:
+        """The references as surfaces."""
+        return likeness.as_surfaces(self.references, self.faces)
 
     @property
     def reference(self) -> np.ndarray:
@@ -70,8 +82,7 @@ def run() -> int:
     if not found:
         reasons = "".join(f"\n  {name}: {why}" for name, why in list(left_out.items())[:10])
         raise Failed(f"No subject can be in the atlas.{reasons}")
-    with attention.collected() as said:
-        made = _made(found, parameters, left_out, anchors)
+    made, said = _made(found, parameters, left_out, anchors)
     _write(made, found, plan, left_out, said)
     return len(found)
 
@@ -93,17 +104,33 @@ def _made(
     parameters: Mapping[str, Any],
     left_out: Dict[str, str],
     anchors: Mapping[str, str],
-) -> Atlas:
-    """Leaves out, and takes from `found`, what the filters say no to by name."""
+) -> Tuple[Atlas, List[SpherePropagationWarning]]:
+    """Leaves out, and takes from `found`, what the filters say no to by name, and what is not like
+    the others: in another unit, or mirrored."""
+    odd: Dict[str, List[likeness.Oddity]] = {}
     while True:
         try:
-            return _of(found, parameters, anchors)
+            with attention.collected() as said:
+                made = _of(found, parameters, anchors)
         except FilterError as error:
             named = next((one for one in found if f'"{one.name}"' in str(error)), None)
             if named is None or len(found) == 1:
                 raise
             left_out[named.name] = reason(error)
             found.remove(named)
+            continue
+        unlike = {
+            name: its
+            for name, its in likeness.found_in(said).items()
+            if any(one["kind"] in likeness.KINDS for one in its)
+        }
+        if not unlike or 2 * len(unlike) >= len(found):  # the half accuses nobody
+            sided = not {"sidesDiffer", "sidesNotKnown"} & {one.message for one in said}
+            return replace(made, sided=sided, odd=odd), said
+        odd.update(unlike)
+        for name, its in unlike.items():
+            left_out[name] = "; ".join(one["text"] for one in its)
+        found[:] = [one for one in found if one.name not in unlike]
 
 
 def _of(
@@ -126,7 +153,7 @@ def _of(
             0.0,
             {},
         )
-        return Atlas(model, root, root_map, model.faces)
+        return Atlas(model, root, root_map, model.faces, made.points[:1], None)
     marked = [k for k, one in enumerate(surfaces) if one.name in anchors]
     root = max(marked, key=lambda k: abs(surfaces[k].volume)) if marked else None
     with anchor_folder({surfaces[k].name: anchors[surfaces[k].name] for k in marked}) as folder:
@@ -152,7 +179,11 @@ def _of(
         landmark_names=_names(result.anchors),
     )
     root = result.surfaces[result.root]
-    return Atlas(model, root, result.maps[result.root], np.asarray(model.faces, np.int32))
+    faces = np.asarray(model.faces, np.int32)
+    compared = likeness.references(result.surfaces, result.landmarks, result.root)
+    first = likeness.as_surfaces(compared[:1], faces)[0]
+    its_map = filters.parameterise_root(first)
+    return Atlas(model, root, result.maps[result.root], faces, compared, its_map)
 
 
 def _names(found: Optional[filters.AnchorFit]) -> Dict[str, int]:
@@ -174,7 +205,25 @@ def anchor_folder(of: Mapping[str, str]):
             path = base / file
             ending = next((one for one in ANCHOR_FILES if path.name.endswith(one)), path.suffix)
             (Path(folder) / f"{name}{ending}").symlink_to(path.resolve())
-        yield folder
+        with _naming(folder, of):
+            yield folder
+
+
+@contextlib.contextmanager
+def _naming(folder: str, of: Mapping[str, str]):
+    """Errors name the user's file, not the one here."""
+    try:
+        yield
+    except SpherePropagationError as error:
+        text = re.sub(
+            rf"(?:{re.escape(folder)}|{re.escape(os.path.realpath(folder))})/([\w.+-]+)",
+            lambda found: next(
+                (file for name, file in of.items() if found[1].startswith(f"{name}")), found[1]
+            ),
+            str(error),
+        )
+        error.args = (text, *error.args[1:])
+        raise
 
 
 def _write(
@@ -197,6 +246,8 @@ def _write(
             "root_vertices": made.root.vertices,
             "root_faces": made.root.faces,
             "root_map": made.root_map.positions,
+            "references": np.asarray(made.references, float),
+            **({"reference_map": made.reference_map.positions} if made.reference_map else {}),
         },
     )
     chunks = sorted({chunk for _, chunk in plan["subjects"]})
@@ -209,6 +260,8 @@ def _write(
             "landmark_names": {name: int(j) for name, j in model.landmark_names.items()},
             "subjects": [surface.name for surface in used],
             "left_out": dict(left_out),
+            "odd": dict(made.odd),
+            "sided": made.sided,
             "warnings": words_of(said),
         },
     )
@@ -231,4 +284,14 @@ def read() -> Atlas:
         said["landmark_names"],
     )
     root = Surface(found["root_vertices"], found["root_faces"], said["root"])
-    return Atlas(model, root, SphereMap(found["root_map"]), found["faces"])
+    its_map = SphereMap(found["reference_map"]) if "reference_map" in found else None
+    return Atlas(
+        model,
+        root,
+        SphereMap(found["root_map"]),
+        found["faces"],
+        found["references"],
+        its_map,
+        said["sided"],
+        said["odd"],
+    )

@@ -11,10 +11,11 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 
 from .. import files
 from ..errors import InputError
-from . import engine, plan, store, subjects
+from . import atlas, engine, likeness, plan, store, subjects
 from .landmarks import LANDMARKS
 from .steps import COSTS
 from .study import read_study
+from .subjects import counted
 
 # CPU seconds, measured: landmarks of 60 hippocampi of 2,500 vertices, and label volumes of two
 # hearts of 25 and 30 phases (docs/cohorts.md); a study that has begun is reckoned by its own.
@@ -22,6 +23,8 @@ PER_PHASE = {"import": 0.07, "landmarks": 0.17}
 PER_SUBJECT = {"import": 0.03, "landmarks": 2.4, "atlas": 0.3}
 PER_JOB = 0.8  # a Python that loads the package, and the engine's share
 LISTED = 10  # subjects
+OF_THE_STUDY = ("sidesDiffer", "sidesNotKnown", "halfOfLayersLarger")  # warnings
+LEFT_OUT = 3  # an exit code: the study is done, and subjects are not in it
 SAMPLED = 50  # files whose phases are counted
 
 
@@ -37,31 +40,55 @@ def run(
     dry: bool = False,
     say: Callable[[str], None] = print,
 ) -> int:
-    """The command's exit code: 0 where every job is done, also where subjects failed."""
+    """The command's exit code: 0 where all subjects are done, but those that somebody excluded; 3
+    where the study is done, and others were left out. A dry run's is the same, as far as names and
+    tables tell."""
     study, home = read_study(config)
     engine.require(profile)
     _require_folders(where, output)
-    base, found = subjects.find(where, study, home)
-    found = subjects.chosen(found, labels)
+    base, found, remarks = subjects.find(where, study, home)
     if labels:
+        found, remarks = subjects.chosen(found, labels), []
         _require_no_fewer(output, found)
+    if level == "group":
+        _require_enough(found, plan.excluded(output, study, home, found))
     if dry:
         with engine.shadow(output) as folder:
-            made = plan.write(folder, study, base, found, home)
+            made = plan.write(folder, study, base, found, home, remarks)
             _say_what_would_run(folder, output, level, base, found, made, say)
-        return 0
+            _say_remarks(remarks, say)
+        return LEFT_OUT if any(one.failed for one in found) else 0
     output.mkdir(parents=True, exist_ok=True)
     with engine.lock(output):
         if not profile:  # jobs on this machine have ended with the run that started them
             store.sweep(output)
-        made = plan.write(output, study, base, found, home)
+        made = plan.write(output, study, base, found, home, remarks)
+        _say_remarks(remarks, say)
         say(
-            f"{_counted(len(found), 'subject')} in {_counted(len(made['chunks']), 'chunk')}, "
+            f"{counted(len(found), 'subject')} in {counted(len(made['chunks']), 'chunk')}, "
             f"{len(store.read_json(output / plan.PLAN / 'atlas.json')['subjects'])} in the atlas"
         )
         engine.run(output, level, cores or (None if profile else 1), profile, say)
-        _say_what_came_out(output, level, list(made["chunks"]), say)
-    return 0
+        complete = _say_what_came_out(output, level, list(made["chunks"]), say)
+    return 0 if complete else LEFT_OUT
+
+
+def _require_enough(found: Sequence[subjects.Subject], excluded: Sequence[str]) -> None:
+    """Two subjects, before hours are spent on what cannot be a model."""
+    left = [one for one in found if not one.failed and one.name not in excluded]
+    if len(left) >= 2:
+        return
+    why = f" {found[0].name}: {found[0].failed}" if found[0].failed else ""
+    raise InputError(
+        f"{counted(len(left), 'subject')} of {len(found)} can take part, and models are made of "
+        f"two or more.{why} Landmarks of one are what the level participant makes; "
+        '"sphere-propagation run" makes a model of its phases.'
+    )
+
+
+def _say_remarks(remarks: Sequence[str], say: Callable[[str], None]) -> None:
+    for remark in remarks:
+        say(f"note: {remark}")
 
 
 def _require_no_fewer(output: Path, found: Sequence[subjects.Subject]) -> None:
@@ -76,14 +103,10 @@ def _require_no_fewer(output: Path, found: Sequence[subjects.Subject]) -> None:
     if others:
         raise InputError(
             f"{output} is a study that has {others[0]}, too, in all "
-            f"{_counted(len(others), 'subject')} that --participant-label does not name: they "
+            f"{counted(len(others), 'subject')} that --participant-label does not name: they "
             "would be left out of it. Choose another folder, or leave the option out; subjects of "
             "one study are done side by side by --cores or --profile."
         )
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def _require_folders(where: Path, output: Path) -> None:
@@ -103,21 +126,39 @@ def _require_folders(where: Path, output: Path) -> None:
             )
 
 
+def _say_some(lines: Sequence[Tuple[str, str]], say: Callable[[str], None]) -> None:
+    for name, why in lines[:LISTED]:
+        say(f"  {name}: {why}")
+    if len(lines) > LISTED:
+        say(f"  and {len(lines) - LISTED} more")
+
+
 def _say_what_came_out(
     output: Path, level: str, chunks: Sequence[str], say: Callable[[str], None]
-) -> None:
-    done, phases, failed = 0, 0, []
+) -> bool:
+    """Whether all subjects are in it, but those that somebody excluded."""
+    done, phases, failed, odd, unlike = 0, 0, [], [], 0
+    model = store.read_json(output / plan.PLAN / "model.json")
     for chunk in chunks:
         for record in store.read_json(output / LANDMARKS / f"{chunk}.json")["subjects"]:
+            name = record["subject"]
             if record["failed"]:
-                failed.append((record["subject"], record["failed"]))
-            else:
-                done, phases = done + 1, phases + record["phases"]
-    say(f"\n{_counted(done, 'subject')} done, {_counted(phases, 'surface')}; {len(failed)} failed")
-    for name, why in failed[:LISTED]:
-        say(f"  {name} ({why['step']}): {why['reason']}")
-    if len(failed) > LISTED:
-        say(f"  and {len(failed) - LISTED} more")
+                failed.append((f"{name} ({record['failed']['step']})", record["failed"]["reason"]))
+                continue
+            done, phases = done + 1, phases + record["phases"]
+            if record["odd"] and name not in model["exclude"]:
+                left = bool(likeness.left_out(record, model["parameters"]))
+                unlike += left
+                words = "; ".join(one["text"] for one in record["odd"])
+                odd.append((f"{name} ({'left out of' if left else 'in'} the models)", words))
+    say(f"\n{counted(done, 'subject')} done, {counted(phases, 'surface')}; {len(failed)} failed")
+    _say_some(failed, say)
+    if odd:
+        say(f"{counted(len(odd), 'subject')} not like the others:")
+        _say_some(odd, say)
+    for one in store.read_json(output / atlas.ATLAS.with_suffix(".json"))["warnings"]:
+        if one["message"] in OF_THE_STUDY:
+            say(f"note: of the subjects in the atlas, {one['text']}")
     say(f"\nIn {output.resolve()}:")
     say("  landmarks/*.npy, *.json: a chunk of subjects each, and what was measured of them")
     if level == "group":
@@ -129,6 +170,7 @@ def _say_what_came_out(
         say("  cycle/model.npz, scores.csv: the model of the motion (4D)")
     spent = sum(cost["cpu_seconds"] for _, cost in _costs(output))
     say(f"{spent:.0f} CPU s, as costs/*.json say")
+    return not failed and not unlike
 
 
 def _costs(output: Path) -> Iterator[Tuple[str, Dict[str, Any]]]:
@@ -147,16 +189,16 @@ def _say_what_would_run(
 ) -> None:
     jobs = engine.planned(folder, level)
     failing = [one for one in found if one.failed]
-    say(f"{_counted(len(found), 'subject')} from {base}, for {output}:")
+    say(f"{counted(len(found), 'subject')} from {base}, for {output}:")
     for one in found[:LISTED]:
-        words = one.failed or _counted(len(one.files), "file")
+        words = one.failed or counted(len(one.files), "file")
         say(f"  {one.name}: {words}")
     if len(found) > LISTED:
         say(f"  and {len(found) - LISTED} more")
     if failing:
-        say(f"{_counted(len(failing), 'subject')} cannot be done")
+        say(f"{counted(len(failing), 'subject')} cannot be done")
     counts = Counter(job.rule for job in jobs)
-    say(f"\n{_counted(len(jobs), 'job')} would run{':' if jobs else ': everything is there'}")
+    say(f"\n{counted(len(jobs), 'job')} would run{':' if jobs else ': everything is there'}")
     for rule, count in counts.items():
         say(f"  {rule}: {count}")
     seconds, words = _reckoned(output, jobs, base, found, made)

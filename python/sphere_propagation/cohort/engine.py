@@ -116,15 +116,28 @@ def command(
         "greedy",
     ]
     if profile:
-        ours = PROFILES / profile
-        words += ["--profile", str(ours if ours.is_dir() else profile)]
+        words += ["--profile", _profile(profile)]
         if cores:
             words += ["--jobs", str(cores)]
     else:
         words += ["--cores", str(cores)]
     words += ["--dry-run"] * dry
-    words += ["--config", f"step={step}", f"atlas_threads={threads}"]
+    words += [
+        "--config",
+        f"step={step}",
+        f"atlas_threads={threads}",
+        f"cluster={int(bool(profile))}",
+    ]
     return [*words, "--", target]
+
+
+def _profile(name: str) -> str:
+    """Ours of this name, or a folder from where the user stands (the engine runs elsewhere), or
+    what Snakemake knows by it."""
+    for folder in (PROFILES / name, Path(name)):
+        if folder.is_dir():
+            return str(folder.resolve())
+    return name
 
 
 def run(
@@ -152,7 +165,9 @@ def run(
             for line in process.stdout:
                 progress, log = PROGRESS.match(line), FAILED_LOG.match(line)
                 if progress:
-                    say(f"{progress[1]} of {progress[2]} jobs done")
+                    done, jobs = int(progress[1]), int(progress[2]) - 1  # one stands for all
+                    if done <= jobs:
+                        say(f"{done} of {jobs} jobs done")
                 elif log and "(check log file" in line:
                     failed.append(log[1])
                 tail = [*tail, line.rstrip()][-40:]

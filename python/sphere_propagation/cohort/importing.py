@@ -11,6 +11,7 @@ from .. import attention, files, filters
 from ..surface import Surface
 from . import frames, store, worker
 from .plan import PLAN
+from .wording import for_files
 from .worker import Failed
 
 
@@ -93,7 +94,7 @@ def import_subject(
 
 def words_of(said) -> List[Dict[str, str]]:
     return [
-        {"message": warning.message, "layer": warning.layer, "text": str(warning)}
+        {"message": warning.message, "layer": warning.layer, "text": for_files(str(warning))}
         for warning in said
     ]
 

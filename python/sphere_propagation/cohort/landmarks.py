@@ -4,6 +4,7 @@ propagated through its phases; landmarks of all of them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Sequence, Tuple
@@ -15,7 +16,7 @@ from ..errors import SpherePropagationError
 from ..fitting import fit
 from ..sphere_map import SphereMap
 from ..surface import Surface
-from . import atlas, frames, store, worker
+from . import atlas, frames, likeness, store, worker
 from .importing import words_of
 from .plan import PLAN
 from .worker import Failed
@@ -102,10 +103,10 @@ def subject_landmarks(
     if chosen != "largest" and chosen >= phases:
         raise Failed(f"root_phase is {chosen}, and it has the phases 0 to {phases - 1}.")
     root = frames.root_of(surfaces, chosen)
+    frame = replace(surfaces[root], name=record["subject"])
+    odd = likeness.judge(frame, made.known(), made.reference_map, made.sided)
     with attention.collected() as said:
-        root_map, fitted = _map_of_frame(
-            surfaces[root], record["subject"], made, parameters, anchors
-        )
+        root_map, fitted = _map_of_frame(frame, made, parameters, anchors)
         maps, figures, more = [root_map], {}, {}
         if phases > 1:
             found = filters.propagate(
@@ -144,20 +145,20 @@ def subject_landmarks(
         "vertices": [len(surface.vertices) for surface in surfaces],
         **table,
         **more,
+        "odd": odd or list(made.odd.get(record["subject"], ())),
         "warnings": [*record["warnings"], *words_of(said)],
     }, made_here.points
 
 
 def _map_of_frame(
-    frame: Surface, name: str, made: atlas.Atlas, parameters: Mapping[str, Any], anchors
+    frame: Surface, made: atlas.Atlas, parameters: Mapping[str, Any], anchors
 ) -> Tuple[SphereMap, Dict[str, float]]:
     """By the model's fit; where that makes no map, and where the model has no modes, by propagation
     from the atlas's root."""
-    frame = Surface(frame.vertices, frame.faces, name)
     why: List[str] = []
     if len(made.model.modes):
         try:
-            with atlas.anchor_folder({name: anchors["file"]} if anchors else {}) as folder:
+            with atlas.anchor_folder({frame.name: anchors["file"]} if anchors else {}) as folder:
                 marks = next(Path(folder).iterdir()) if folder else None
                 found = fit(
                     made.model,

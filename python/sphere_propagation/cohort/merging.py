@@ -9,11 +9,11 @@ the mean (vcg_ext/model/procrustes.h): generalised analysis would need all shape
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Tuple
 
 import numpy as np
 
-from . import atlas, moments, store
+from . import atlas, likeness, moments, store
 from .landmarks import LANDMARKS
 from .plan import PLAN
 
@@ -44,10 +44,16 @@ def blocks_of(level: int) -> Dict[str, List[str]]:
     return store.read_json(PLAN / "chunks.json")["levels"][level]
 
 
-def used(chunk: str, excluded: Sequence[str]) -> List[Dict[str, Any]]:
+def used(chunk: str, plan: Mapping[str, Any]) -> List[Dict[str, Any]]:
     """The records of a chunk's subjects that are in the model."""
-    records = store.read_json(LANDMARKS / f"{chunk}.json")["subjects"]
-    return [one for one in records if not one["failed"] and one["subject"] not in set(excluded)]
+    excluded = set(plan["exclude"])
+    return [
+        one
+        for one in store.read_json(LANDMARKS / f"{chunk}.json")["subjects"]
+        if not one["failed"]
+        and one["subject"] not in excluded
+        and not likeness.left_out(one, plan["parameters"])
+    ]
 
 
 def aligned_subjects(
@@ -55,7 +61,7 @@ def aligned_subjects(
 ) -> Iterator[Tuple[Dict[str, Any], np.ndarray]]:
     """Record and aligned shapes (phases, 3 x landmarks) of those in the model, one at a time."""
     stored = np.load(LANDMARKS / f"{chunk}.npy", mmap_mode="r")
-    for record in used(chunk, plan["exclude"]):
+    for record in used(chunk, plan):
         shapes = stored[record["row"] : record["row"] + record["phases"]]
         moved = aligned(
             shapes.reshape(record["phases"], -1, 3), reference, plan["parameters"]["alignment"]

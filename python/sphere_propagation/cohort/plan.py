@@ -19,7 +19,8 @@ from .subjects import NAME, Subject, rows_of
 
 PLAN = Path("plan")
 BLOCK = 16  # chunks whose moments are one job, and moments that are merged in one
-FEWEST_CHUNKS = 16  # where there are enough subjects: a study of 32 is to use more than one core
+CHUNK = 50  # subjects of a job where the study does not say it, and
+FEWEST_CHUNKS = 16  # where there are enough: a study of 32 is to use more than one core
 IMPORT_KEYS = (
     "labels",
     "voxel_size",
@@ -33,8 +34,9 @@ IMPORT_KEYS = (
 ATLAS_KEYS = ("root_phase", "groupwise", "initial_map", "area_weight", "frequency", "alignment")
 LANDMARK_KEYS = ("root_phase", "order", "area_restoration", "frequency")
 ANCHOR_KEYS = ("anchor_sd",)
-MODEL_KEYS = ("alignment", "modes", "cycle_phases", "systole", "order", "unit")
+MODEL_KEYS = ("left_out", "alignment", "modes", "cycle_phases", "systole", "order", "unit")
 YES = ("1", "x", "y", "yes", "true", "exclude")
+NO = ("", "0", "-", "n", "no", "false", "include")
 
 
 def number(n: int) -> str:
@@ -42,10 +44,15 @@ def number(n: int) -> str:
 
 
 def write(
-    output: Path, study: Study, base: Path, subjects: Sequence[Subject], home: Optional[Path] = None
+    output: Path,
+    study: Study,
+    base: Path,
+    subjects: Sequence[Subject],
+    home: Optional[Path] = None,
+    remarks: Sequence[str] = (),
 ) -> Dict[str, Any]:
     """Writes the plan and returns chunks.json. base: the folder that files are relative to; home:
-    what the study's paths are relative to."""
+    what the study's paths are relative to; remarks: on the input, for the report."""
     folder = output / PLAN
     names = [subject.name for subject in subjects]
     for name in names:
@@ -84,12 +91,15 @@ def write(
         folder / "landmarks.json",
         _header("landmarks", study.part(*LANDMARK_KEYS, *ANCHOR_KEYS)),
     )
-    excluded = excluded_in(_exclude_file(output, study, home), names)
+    marked = excluded(output, study, home, subjects)
     store.write_if_changed(
         folder / "model.json",
-        {**_header("model", study.part(*MODEL_KEYS)), "exclude": excluded},
+        {**_header("model", study.part(*MODEL_KEYS)), "exclude": marked},
     )
-    store.write_if_changed(folder / "report.json", _header("report", study.part("quality")))
+    store.write_if_changed(
+        folder / "report.json",
+        {**_header("report", study.part("quality")), "remarks": list(remarks)},
+    )
     store.write_if_changed(folder / "members.json", members)
     blocks = tree(sorted(chunks))
     plan = {
@@ -130,15 +140,15 @@ def tree(chunks: Sequence[str]) -> List[Dict[str, List[str]]]:
 
 
 def _members(folder: Path, names: Sequence[str], size: int) -> Dict[str, List[str]]:
-    """Chunk -> the subjects that were ever in it."""
+    """Chunk -> the subjects that were ever in it. size: 0 for what suits their number."""
     path = folder / "members.json"
     members: Dict[str, List[str]] = store.read_json(path) if path.is_file() else {}
     known = {name for those in members.values() for name in those}
     if not known & set(names):  # another study, or the first run
         members = {}
-        size = min(size, -(-len(names) // FEWEST_CHUNKS))
+        size = size or min(CHUNK, -(-len(names) // FEWEST_CHUNKS))
     elif members:
-        size = min(size, max(map(len, members.values())))
+        size = min(size or CHUNK, max(map(len, members.values())))
     known = {name for those in members.values() for name in those}
     last = number(len(members) - 1)
     for name in names:
@@ -208,6 +218,13 @@ def _entries(
     ]
 
 
+def excluded(
+    output: Path, study: Study, home: Optional[Path], subjects: Sequence[Subject]
+) -> List[str]:
+    """Whom the study's table leaves out of the models."""
+    return excluded_in(_exclude_file(output, study, home), [one.name for one in subjects])
+
+
 def _exclude_file(output: Path, study: Study, home: Optional[Path]) -> Path:
     if study.exclude == EXCLUDE or home is None:
         return output / study.exclude
@@ -222,16 +239,22 @@ def excluded_in(path: Path, names: Sequence[str]) -> List[str]:
     exclude."""
     if not path.is_file():
         return []
-    rows = rows_of(path)
+    rows = rows_of(path.resolve())
+    shown = path.resolve()  # a dry run plans elsewhere
     if rows and "subject" not in rows[0]:
-        raise InputError(f"{path} lacks the column subject.")
+        raise InputError(f"{shown} lacks the column subject.")
     known = set(names)
     marked = []
-    for row in rows:
-        name = row["subject"]
-        if row.get("exclude", "yes").lower() not in YES:
+    for number, row in enumerate(rows, 2):
+        name, word = row["subject"], row.get("exclude", "yes")
+        if word.lower() not in (*YES, *NO):
+            raise InputError(
+                f"{shown}: line {number} says {word!r} in the column exclude of {name}: it is yes "
+                "or no."
+            )
+        if word.lower() in NO:
             continue
         if name not in known:
-            raise InputError(f"{path}: there is no subject {name!r}.")
+            raise InputError(f"{shown}: there is no subject {name!r}.")
         marked.append(name)
     return sorted(set(marked))

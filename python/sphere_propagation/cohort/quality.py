@@ -18,7 +18,9 @@ import numpy as np
 
 from ..errors import InputError
 
+NOT_REPEATED = ("anotherPose", "fitOfOtherSize", "fitIsFarOff", "shapeIsUnusual")  # are figures
 NORMAL = 0.6745  # median distance from the median of a normal distribution, in standard deviations
+NOTHING = 1e-4  # lengths that nobody minds, of the cube root of the median volume
 FEWEST = 5  # subjects that a figure is compared among
 CURVE = 20  # places of a cycle at which volume curves are compared
 DEFAULTS: Dict[str, Any] = {"threshold": 3.5, "pictures": 1000}
@@ -239,11 +241,14 @@ class Subject:
 
     name: str
     chunk: str
-    status: str  # done, excluded or failed
+    status: str  # done, excluded, left out (not like the others) or failed
     figures: Dict[str, float] = field(default_factory=dict)
     score: float = 0.0
     reasons: List[str] = field(default_factory=list)
     phases: int = 0
+    warnings: List[str] = field(
+        default_factory=list
+    )  # of the steps, which do not make it stand out
     curve: List[float] = field(default_factory=list)  # volumes as parts of the largest
 
 
@@ -328,6 +333,8 @@ def judge(subjects: Sequence[Subject], threshold: float, unit: str = "mm") -> Di
     """Fills in scores and reasons, and puts the subjects in order: those that could not be done
     first, then by score. Excluded ones are judged, and do not judge."""
     references = {}
+    sizes = [one.figures["volume"] for one in subjects if "volume" in one.figures]
+    nothing = NOTHING * float(np.cbrt(np.median(sizes))) if sizes else 0.0
     for measure in MEASURES:
         values = [
             one.figures[measure.name]
@@ -335,7 +342,7 @@ def judge(subjects: Sequence[Subject], threshold: float, unit: str = "mm") -> Di
             if one.status == "done" and measure.name in one.figures
         ]
         if len(values) >= FEWEST:
-            references[measure.name] = _reference(measure, np.asarray(values))
+            references[measure.name] = _reference(measure, np.asarray(values), nothing)
     usual = _usual_count([one.phases for one in subjects if one.status == "done"])
     for one in subjects:
         if one.status == "failed":
@@ -363,7 +370,18 @@ def in_order(subjects: Sequence[Subject]) -> List[Subject]:
 
 
 def stands_out(subject: Subject, threshold: float) -> bool:
-    return subject.status == "failed" or subject.score >= threshold
+    return subject.status in ("failed", "left out") or subject.score >= threshold
+
+
+def warnings_of(record: Mapping[str, Any]) -> List[str]:
+    """What the steps warned of, in words, but of what is said elsewhere; the same of several phases
+    is one."""
+    found: Dict[str, str] = {}
+    for one in record.get("warnings", ()):
+        if one["message"] not in NOT_REPEATED:
+            layer = f"{one['layer']}: " if one.get("layer") else ""
+            found.setdefault(one["message"] or one["text"], layer + one["text"].removeprefix(layer))
+    return list(found.values())
 
 
 def flipped(record: Mapping[str, Any]) -> List[str]:
@@ -397,11 +415,13 @@ def _transformed(measure: Measure, value, start: float):
     return np.log(np.maximum(value, 0) + start) if measure.by_logarithm else value
 
 
-def _reference(measure: Measure, values: np.ndarray) -> Reference:
+def _reference(measure: Measure, values: np.ndarray, nothing: float) -> Reference:
     median = float(np.median(values))
     # A volume is never near 0; a distance can be, and then its logarithm says nothing.
     start = 0.0 if measure.kind == VOLUME and values.min() > 0 else median or float(values.mean())
     start = start if start > 0 or values.min() > 0 else 1.0
+    if measure.kind == LENGTH:  # rounding, where modes show all shapes as they are
+        start = max(start, nothing)
     x = _transformed(measure, values, start)
     spread = float(np.median(np.abs(x - np.median(x)))) / NORMAL
     return Reference(len(values), median, max(spread, measure.least), start)

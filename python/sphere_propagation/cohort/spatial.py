@@ -83,6 +83,7 @@ def run_scores(block: str) -> int:
                         "chunk": chunk,
                         "row": rows.count,
                         "phases": record["phases"],
+                        "names": record["names"],
                         "root": record["root"],
                         "cycle": None if cycle is None else cycles.count,
                         "deviation": [store.figure(x) for x in np.sqrt(far)],

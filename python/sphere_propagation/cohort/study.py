@@ -17,6 +17,7 @@ ALIGNMENTS = ("Similarity", "Rigid", "None")  # by all landmarks
 PHASE_ORDERS = ("Time", "Cyclic time", "Star", "Similarity tree")
 LARGEST = "largest"
 EXCLUDE = "exclude.csv"  # in the output folder
+KINDS = ("another unit", "mirrored")  # of subjects that are not like the others
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Study:
     files: str = ""  # which of a subject's, as "anat/*_dseg.nii.gz"; empty: all that can be read
     unit: str = DEFAULT_UNIT  # of meshes
     exclude: str = EXCLUDE
+    left_out: List[str] = field(default_factory=lambda: list(KINDS))
     # the atlas
     atlas_subjects: int = 200
     groupwise: bool = False
@@ -54,7 +56,7 @@ class Study:
     cycle_phases: int = 20
     systole: float = 0.35
     # jobs
-    chunk: int = 50
+    chunk: int = 0
     keep_surfaces: bool = True
     quality: Dict[str, Any] = field(default_factory=lambda: quality.checked({}))
 
@@ -134,6 +136,12 @@ def _unit(key: str, value: Any) -> str:
     return unit_named(value)
 
 
+def _kinds(key: str, value: Any) -> List[str]:
+    if not isinstance(value, list) or any(one not in KINDS for one in value):
+        raise _wrong(key, "a list of " + " and ".join(f'"{one}"' for one in KINDS), value)
+    return list(value)
+
+
 def _quality(key: str, value: Any) -> Dict[str, Any]:
     if not isinstance(value, Mapping):
         raise _wrong(key, f"a table, [{key}]", value)
@@ -152,6 +160,7 @@ CHECKS: Dict[str, Check] = {
     "files": _text,
     "unit": _unit,
     "exclude": _text,
+    "left_out": _kinds,
     "atlas_subjects": _number(1, 200, whole=True),
     "groupwise": _flag,
     "initial_map": _choice(*NAMED["initial_map"]),
@@ -166,7 +175,7 @@ CHECKS: Dict[str, Check] = {
     "modes": _number(1, 1000, whole=True),
     "cycle_phases": _number(2, 200, whole=True),
     "systole": _number(0.05, 0.95),
-    "chunk": _number(1, 1000, whole=True),
+    "chunk": _number(0, 1000, whole=True),
     "keep_surfaces": _flag,
     "quality": _quality,
 }

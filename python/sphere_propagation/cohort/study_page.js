@@ -58,7 +58,7 @@
     const link = element("a", row[NAME]);
     link.href = `reports/${row[CHUNK]}.html#${encodeURIComponent(row[NAME])}`;
     cell(link, "words");
-    cell(row[STATUS] === "failed" ? "failed" : row[SCORE] >= 1e9 ? "invalid" : row[SCORE].toFixed(1), row[SCORE] >= data.threshold ? "out" : "");
+    cell(["failed", "left out"].includes(row[STATUS]) ? row[STATUS] : row[SCORE] >= 1e9 ? (row[WHY].includes("no valid map") ? "invalid" : "unlike") : row[SCORE].toFixed(1), row[SCORE] >= data.threshold ? "out" : "");
     cell((row[STATUS] === "excluded" ? "excluded; " : "") + row[WHY], "why");
     cell(row[CURVE].length ? curve(row[CURVE]) : "");
     cell(String(row[PHASES] || ""));

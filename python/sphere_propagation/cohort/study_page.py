@@ -20,7 +20,7 @@ import numpy as np
 from ..page import STYLE as PAGE_STYLE
 from ..version import version
 from ..views import chosen_phases
-from . import quality, store
+from . import likeness, quality, store
 from .quality import MEASURES, Reference, Subject
 from .thumbnails import Studio, png, sheet
 
@@ -28,6 +28,7 @@ REPORT, REPORTS = Path("report.html"), Path("reports")
 SCRIPT = Path(__file__).with_name("study_page.js")
 COLUMNS = 25  # of the sheet of pictures
 STRIP = 4  # phases that a subject's own report shows
+WORDS = 160  # characters of a warning in the table
 SHOWN = 56  # pixels across of a picture in the table
 STYLE = """
 main { max-width: 1560px; }
@@ -35,7 +36,8 @@ main { max-width: 1560px; }
 #subjects th.sorted { color: #0b63a5; }
 #subjects td.why { white-space: normal; text-align: left; min-width: 30ch; }
 #subjects td.out { color: #c2410c; font-weight: 600; }
-#subjects tr.excluded, #subjects tr.failed { color: #5b6570; background: #f5f6f8; }
+#subjects tr.excluded, #subjects tr.left, #subjects tr.failed { color: #5b6570; }
+#subjects tr.excluded, #subjects tr.left, #subjects tr.failed { background: #f5f6f8; }
 #subjects td, #subjects th { padding: 3px 8px; }
 .scroll.tall { max-height: 86vh; overflow: auto; }
 .picture { display: block; background-repeat: no-repeat; }
@@ -66,12 +68,14 @@ def write(folder: Path) -> int:
     """Both; returns how many subjects stand out."""
     plan = store.read_json(folder / "plan" / "report.json")
     settings = quality.checked(plan["parameters"]["quality"])
-    unit = store.read_json(folder / "plan" / "model.json")["parameters"]["unit"]
+    of_model = store.read_json(folder / "plan" / "model.json")["parameters"]
+    unit = of_model["unit"]
     subjects: List[Subject] = []
     curves: Dict[str, List[float]] = {}
     for chunk, records in _records(folder):
         for record, scored, excluded in records:
-            one = _subject(record, scored, chunk, excluded)
+            unlike = likeness.left_out(record, of_model)
+            one = _subject(record, scored, chunk, excluded, unlike)
             subjects.append(one)
             if not record["failed"]:
                 curves[one.name] = quality.curve_of(record["volume"])
@@ -89,7 +93,8 @@ def write(folder: Path) -> int:
         ready = sheet([pictures[k] for k in range(len(pictures))], COLUMNS)
     else:
         ready = np.zeros((0, 0), np.uint8)
-    page = _page(folder, ordered, references, settings, unit, middle, shown, ready)
+    remarks = plan.get("remarks", [])
+    page = _page(folder, ordered, references, settings, unit, middle, shown, ready, remarks)
     store.write_text(folder / REPORT, page)
     return sum(quality.stands_out(one, settings["threshold"]) for one in subjects)
 
@@ -116,7 +121,7 @@ def _records(folder: Path) -> Iterator[Tuple[str, List[Entry]]]:
         )
 
 
-def _subject(record, scored, chunk: str, excluded: bool) -> Subject:
+def _subject(record, scored, chunk: str, excluded: bool, unlike: str) -> Subject:
     one = Subject(record["subject"], chunk, "done")
     failed = record["failed"]
     if failed:
@@ -124,8 +129,9 @@ def _subject(record, scored, chunk: str, excluded: bool) -> Subject:
         one.score = float("inf")
         one.reasons = [f"{failed['step']}: {failed['reason']}"]
         return one
-    one.status = "excluded" if excluded else "done"
+    one.status = "excluded" if excluded else "left out" if unlike else "done"
     one.phases = int(record["phases"])
+    one.warnings = [_short(text) for text in quality.warnings_of(record)]
     one.figures = quality.figures_of(record, scored)
     volume = np.asarray(record["volume"], float)
     if len(volume) > 1 and volume.max() > 0:
@@ -133,7 +139,15 @@ def _subject(record, scored, chunk: str, excluded: bool) -> Subject:
     wrong = quality.flipped(record)
     if wrong:
         one.score, one.reasons = float("inf"), wrong
+    if record.get("odd"):
+        one.reasons = [odd["text"] for odd in record["odd"]] + one.reasons
+        one.score = float("inf")
     return one
+
+
+def _short(text: str) -> str:
+    """For the table; the subject's own report has all of it."""
+    return text if len(text) <= WORDS else text[:WORDS].rsplit(" ", 1)[0] + " …"
 
 
 def _studio(folder: Path) -> Optional[Studio]:
@@ -172,7 +186,7 @@ def _write_chunk(folder, chunk, records, of, shown, studio, pictures, unit) -> N
                         drawn[at] if at >= 0 else studio.picture(points[first + root])
                     )
             parts.append(_phase_table({**record, **(scored or {})}, unit))
-            said = [f"{w.get('layer') or ''} {w['text']}".strip() for w in record["warnings"]]
+            said = [w["text"] for w in record["warnings"]]
             parts += [f"<p>{html.escape(text)}</p>" for text in said]
         parts.append(_facts(record))
     title = f"Subjects of chunk {chunk}"
@@ -186,7 +200,12 @@ def _drop_old_pages(folder: Path, chunks) -> None:
 
 
 def _said_of(one: Subject) -> str:
-    words = {"done": "", "excluded": "Excluded from the model. ", "failed": "Could not be done. "}
+    words = {
+        "done": "",
+        "excluded": "Excluded from the model. ",
+        "left out": "Left out of the model. ",
+        "failed": "Could not be done. ",
+    }
     reasons = "; ".join(one.reasons)
     return html.escape(words[one.status] + (reasons or "Nothing stands out."))
 
@@ -226,10 +245,11 @@ def _facts(record: Mapping[str, Any]) -> str:
 # ---------------------------------------------------------------- the table of all
 
 
-def _page(folder, ordered, references, settings, unit, middle, shown, ready) -> str:
+def _page(folder, ordered, references, settings, unit, middle, shown, ready, remarks) -> str:
     threshold = settings["threshold"]
     measures = [m for m in MEASURES if any(m.name in one.figures for one in ordered)]
     failed = sum(one.status == "failed" for one in ordered)
+    unlike = sum(one.status == "left out" for one in ordered)
     out = sum(quality.stands_out(one, threshold) for one in ordered)
     data = {
         "threshold": threshold,
@@ -245,7 +265,8 @@ def _page(folder, ordered, references, settings, unit, middle, shown, ready) -> 
     told = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     told = told.replace("<", "\\u003c")  # nothing in it can end the element
     about = (
-        f"{len(ordered)} subjects, {failed} of which could not be done; {out} stand out. "
+        f"{len(ordered)} subjects, {failed} of which could not be done and {unlike} are left out "
+        f"of the model, since they are not like the others; {out} stand out. "
         "Those come first; every subject's name leads to its own report."
     )
     model = (
@@ -272,6 +293,7 @@ def _page(folder, ordered, references, settings, unit, middle, shown, ready) -> 
             '</div><p><button id="more">More</button></p>'
             "<noscript><p>The table takes JavaScript; subjects.csv has the same figures.</p>"
             "</noscript>",
+            _remarks(remarks),
             _how(ordered, measures, references, threshold, unit),
             f'<script type="application/json" id="data">{told}</script>',
             f"<script>{SCRIPT.read_text(encoding='utf-8')}</script>",
@@ -297,13 +319,20 @@ def _row(one: Subject, measures, references, shown) -> List[Any]:
         one.chunk,
         one.status,
         score,
-        "; ".join(one.reasons),
+        "; ".join([*one.reasons, *one.warnings]),
         one.phases,
         shown.get(one.name, -1),
         curve,
         figures,
         beyond,
     ]
+
+
+def _remarks(remarks: Sequence[str]) -> str:
+    if not remarks:
+        return ""
+    lines = "".join(f"<li>{html.escape(remark)}</li>" for remark in remarks)
+    return f"<h2>What of the input was not taken</h2><ul>{lines}</ul>"
 
 
 def _rounded(value: Optional[float]) -> Optional[float]:

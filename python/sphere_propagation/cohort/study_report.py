@@ -14,37 +14,15 @@ import numpy as np
 from .. import attention, filters
 from ..explorer import explore
 from ..model import ShapeModel
-from ..model_files import name_arrays
-from . import atlas, merging, quality, spatial, store
+from ..model_files import MEASURED, name_arrays
+from . import atlas, likeness, merging, quality, spatial, store
+from .columns import COLUMNS, FIT_COLUMNS
 from .landmarks import LANDMARKS
 from .plan import PLAN
 
 MODEL = Path("model")
 SAMPLE = 500  # subjects whose frames generalisation and specificity are measured with
 TRAINING = 2000  # shapes whose scores the model's file has
-FIT_COLUMNS = ("surface_distance", "deviation", "percentile", "residual_mean", "unexplained")
-COLUMNS = (
-    "subject",
-    "chunk",
-    "status",
-    "step",
-    "reason",
-    "phases",
-    "root",
-    "volume_max",
-    "volume_min",
-    "flipped_faces",
-    "repaired_faces",
-    "residual_mean",
-    "residual_max",
-    "area_ratio_sd",
-    "surface_distance",
-    "branch_distance",
-    *(f"fit_{name}" for name in FIT_COLUMNS),
-    "model_deviation",
-    "model_residual",
-    "warnings",
-)
 
 
 def run() -> int:
@@ -53,7 +31,6 @@ def run() -> int:
     table = list(rows_of_subjects(plan))
     store.write_text(Path("subjects.csv"), _as_csv(table))
     model = _model(plan)
-    _measures(plan, model)
     unit, cyclic = plan["parameters"]["unit"], False
     with store.whole(MODEL / "explore.html") as part:
         explore(model, title="cohort", unit=unit, cyclic=cyclic).save(part)
@@ -76,7 +53,12 @@ def rows_of_subjects(plan: Mapping[str, Any]) -> Iterator[Dict[str, Any]]:
                     row.update(status="failed", step=failed["step"], reason=failed["reason"])
                     yield row
                     continue
-                row["status"] = "excluded" if record["subject"] in excluded else "done"
+                unlike = likeness.left_out(record, plan["parameters"])
+                row["status"] = "done"
+                if record["subject"] in excluded:
+                    row["status"] = "excluded"
+                elif unlike:
+                    row.update(status="left out", step="model", reason=unlike)
                 row.update(_figures(record, in_model.get(record["subject"])))
                 yield row
 
@@ -91,10 +73,11 @@ def _figures(record: Mapping[str, Any], scored) -> Dict[str, Any]:
         "repaired_faces": sum(record["repaired_faces"]),
         "residual_mean": float(np.mean(record["residual_mean"])),
         "residual_max": max(record["residual_mean"]),
-        "area_ratio_sd": record["area_ratio_sd"][record["root"]],
+        "area_ratio_sd": max(record["area_ratio_sd"]),
         "surface_distance": max(record["surface_distance_mean"]),
         "branch_distance": record.get("branch_distance", ""),
         "warnings": " ".join(sorted({one["message"] for one in record["warnings"]})),
+        "warning_texts": " ".join(quality.warnings_of(record)),
     }
     row.update({f"fit_{name}": record["fit"].get(name, "") for name in FIT_COLUMNS})
     if scored:
@@ -132,7 +115,7 @@ def _training(plan: Mapping[str, Any]) -> Tuple[List[str], np.ndarray]:
         called = [
             f"{one['subject']} {phase}" if one["phases"] > 1 else one["subject"]
             for one in store.read_json(spatial.SCORES / f"{block}.json")["subjects"]
-            for phase in range(one["phases"])
+            for phase in one["names"]
         ]
         here = [i - first for i in wanted if first <= i < first + len(scores)]
         names += [called[i] for i in here]
@@ -142,13 +125,15 @@ def _training(plan: Mapping[str, Any]) -> Tuple[List[str], np.ndarray]:
 
 
 def _model(plan: Mapping[str, Any]) -> ShapeModel:
-    """model/model.npz and model.csv."""
+    """model/model.npz, model.csv and measures.csv."""
     basis = store.read_arrays(spatial.BASIS)
     names, scores = _training(plan)
     values, total = basis["eigenvalues"], float(basis["total_variance"])
     left = basis["mean"].size - len(values)
     noise = max(0.0, total - values.sum()) / left if left else 0.0
-    faces = atlas.read().faces
+    made = atlas.read()
+    faces = made.faces
+    measured = _measures(plan, faces)
     store.write_arrays(
         MODEL / "model.npz",
         {
@@ -161,7 +146,8 @@ def _model(plan: Mapping[str, Any]) -> ShapeModel:
             "names": np.array(names),
             "shapes": basis["count"],
             "total_variance": basis["total_variance"],
-            **name_arrays(atlas.read().model.landmark_names),
+            **measured,
+            **name_arrays(made.model.landmark_names),
         },
     )
     _write_origin(plan)
@@ -170,7 +156,7 @@ def _model(plan: Mapping[str, Any]) -> ShapeModel:
     for m, value in enumerate(values):
         lines.append(f"{m + 1},{value:.17g},{np.cumsum(values)[m]:.10g},{share[m]:.10g}")
     store.write_text(MODEL / "model.csv", "\n".join(lines) + "\n")
-    figures = {"compactness": np.cumsum(values), "variance_share": share}
+    figures = {"compactness": np.cumsum(values), "variance_share": share, **measured}
     return ShapeModel(
         basis["mean"], basis["modes"], values, scores, faces, names, total, figures, None, noise
     )
@@ -184,18 +170,18 @@ def _write_origin(plan: Mapping[str, Any]) -> None:
     store.write_json(MODEL / "model.json", {**said, "exclude": plan["exclude"]})
 
 
-def _measures(plan: Mapping[str, Any], model: ShapeModel) -> None:
+def _measures(plan: Mapping[str, Any], faces: np.ndarray) -> Dict[str, np.ndarray]:
     """model/measures.csv: generalisation (a subject left out) and specificity of the frames of up
-    to SAMPLE subjects, evenly spread, as the package's model has them."""
+    to SAMPLE subjects, evenly spread, as the package's model has them; none of two subjects."""
     subjects = [
         (chunk, record)
         for chunks in merging.blocks_of(0).values()
         for chunk in chunks
-        for record in merging.used(chunk, plan["exclude"])
+        for record in merging.used(chunk, plan)
     ]
     count = min(len(subjects), SAMPLE)
     picked = [subjects[i * len(subjects) // count] for i in range(count)]
-    lines = ["modes,generalisation,generalisation_error,specificity,specificity_error"]
+    figures: Dict[str, np.ndarray] = {name: np.zeros(0) for name in MEASURED}
     if count > 2:
         points = np.stack(
             [
@@ -206,14 +192,13 @@ def _measures(plan: Mapping[str, Any], model: ShapeModel) -> None:
         with attention.silenced():
             found = filters.shape_model(
                 points.reshape(count, -1, 3).astype(float),
-                model.faces,
+                faces,
                 [record["subject"] for _, record in picked],
                 alignment=plan["parameters"]["alignment"],
             ).figures
-        for m in range(len(found["generalisation"])):
-            lines.append(",".join([str(m + 1), *(f"{found[key][m]:.6g}" for key in _names())]))
+        figures = {name: np.asarray(found[name], float) for name in MEASURED}
+    lines = [",".join(["modes", *MEASURED])]
+    for m, row in enumerate(zip(*figures.values())):
+        lines.append(",".join([str(m + 1), *(f"{value:.6g}" for value in row)]))
     store.write_text(MODEL / "measures.csv", "\n".join(lines) + "\n")
-
-
-def _names() -> List[str]:
-    return ["generalisation", "generalisation_error", "specificity", "specificity_error"]
+    return {name: values for name, values in figures.items() if len(values)}

@@ -12,6 +12,7 @@ import signal
 from typing import Any, Callable, Iterator, Sequence, Tuple
 
 from ..errors import SpherePropagationError
+from .wording import for_files
 
 DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux's prctl
 OF_THE_MACHINE = (errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.ESTALE, errno.EMFILE)
@@ -93,5 +94,5 @@ def _serve(parent, there, here, function, items) -> None:
 def reason(error: BaseException) -> str:
     """In one line."""
     known = isinstance(error, (SpherePropagationError, Failed))
-    text = str(error) if known else f"{type(error).__name__}: {error}"
+    text = for_files(str(error)) if known else f"{type(error).__name__}: {error}"
     return " ".join(text.split())

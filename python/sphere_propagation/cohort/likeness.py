@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-only
+"""Whether a subject is of its study's kind: in the same unit, and on the same side.
+
+It is judged by the filters' own rules for a layer among others (vcg_ext/sequence/surface_sizes.h,
+mirroring.h): the frames of the atlas among each other, and every subject's frame among a few of
+them, from the smallest to the largest.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+import numpy as np
+
+from .. import attention, filters
+from ..errors import SpherePropagationError, SpherePropagationWarning
+from ..sphere_map import SphereMap
+from ..surface import Surface
+from .study import KINDS
+
+UNIT, MIRRORED = KINDS  # what models can leave out
+SIZE = "another size"
+REFERENCES = 5  # frames of the atlas that a subject is compared with
+OF_SIZE = ("anotherUnit", "anotherUnitThanRoot", "anotherSize", "anotherSizeThanRoot")
+OF_SIZE += ("severalSizes",)
+OF_SIDE = ("mirrorImage", "sidesDiffer", "sidesNotKnown", "mirroredRoot")
+SAID_HERE = (*OF_SIZE, *OF_SIDE, "halfOfLayersLarger", "fitOfOtherSize")
+
+Oddity = Dict[str, str]  # kind, text
+
+
+def found_in(said: Sequence[SpherePropagationWarning]) -> Dict[str, List[Oddity]]:
+    """Name of a frame -> what is odd about it. Sides are of no study where the filter cannot tell
+    them of some: shapes that are nearly their own mirror images, as ventricles."""
+    odd: Dict[str, List[Oddity]] = {}
+    messages = {warning.message for warning in said}
+    sided = not messages & {"sidesDiffer", "sidesNotKnown"}
+    for warning in said:
+        if warning.message in OF_SIZE:
+            one = _of_size(str(warning))
+        elif (
+            warning.message == "mirroredRoot"
+            and sided
+            or warning.message == "mirrorImage"
+            and sided
+            and "mirroredRoot" not in messages
+        ):
+            one = _mirrored()
+        else:
+            continue
+        for name in warning.layers:
+            odd.setdefault(name, []).append(one)
+    return odd
+
+
+def _of_size(text: str) -> Oddity:
+    unit = re.search(r"\(([^()]+ (?:among|beside) [^()]+)\?\)", text)
+    times = re.search(r"([\d.e+]+) times (larger|smaller)", text)
+    how = f"{times[1]} times {times[2]} than" if times else "of another size than"
+    if unit:
+        said = f"it is {how} the other subjects suggest, so it is in another unit ({unit[1]}?): "
+        return {"kind": UNIT, "text": said + "bring its files to the others' unit"}
+    said = f"it is {how} the other subjects suggest: another shape, or another unit?"
+    return {"kind": SIZE, "text": said}
+
+
+def _mirrored() -> Oddity:
+    return {
+        "kind": MIRRORED,
+        "text": "it is a mirror image of the other subjects, a left one among right ones? Mirror "
+        "its files where they were made",
+    }
+
+
+def references(frames: Sequence[Surface], landmarks: np.ndarray, root: int) -> np.ndarray:
+    """Landmarks of REFERENCES frames, (frames, landmarks, 3): the root's, and evenly spread by
+    size."""
+    order = np.argsort([abs(frame.volume) for frame in frames], kind="stable")
+    order = order[order != root]
+    count = min(len(order), REFERENCES - 1)
+    picked = [order[i * (len(order) - 1) // max(count - 1, 1)] for i in range(count)]
+    return np.asarray(landmarks)[[root, *picked]]
+
+
+def as_surfaces(points: np.ndarray, faces: np.ndarray) -> List[Surface]:
+    """With vertices in another order than landmarks have, which filters would know as such."""
+    last = points.shape[1] - 1
+    return [Surface(shape[::-1], last - faces, f"reference {k}") for k, shape in enumerate(points)]
+
+
+def judge(
+    frame: Surface, known: Sequence[Surface], root_map: Optional[SphereMap], sided: bool
+) -> List[Oddity]:
+    """known: references, the root's first, with its map; sided: whether sides can be told in this
+    study."""
+    if len(known) < 2 or root_map is None:
+        return []
+    with attention.collected() as said, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the log is of what is done with it
+        try:
+            filters.propagate([*known, frame], root_map, root_layer=0, order="Star", threads=1)
+        except SpherePropagationError:
+            return []  # what cannot be done is found by the steps after this one
+    odd = found_in(said).get(frame.name, [])
+    return [one for one in odd if sided or one["kind"] != MIRRORED]
+
+
+def left_out(record: Mapping[str, Any], parameters: Mapping[str, Any]) -> str:
+    """Why the models leave out a subject that was done; empty where they do not."""
+    kinds = parameters["left_out"]
+    return "; ".join(one["text"] for one in record.get("odd", ()) if one["kind"] in kinds)
