@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import sphere_propagation as sp
 from cohort_inputs import planned
-from sphere_propagation.cohort import plan, store, study, subjects
+from sphere_propagation.cohort import memory, plan, store, study, subjects
 
 STUDY = study.Study()
 
@@ -242,6 +242,28 @@ def times(output):
 def changed(output, before):
     now = times(output)
     return sorted(name for name in now if now[name] != before.get(name))
+
+
+def test_memory_grows_with_the_largest_subject_of_a_chunk(tmp_path):
+    where = touched(tmp_path / "in", *(f"s{i:02d}.ply" for i in range(32)))
+    (where / "s05.ply").write_bytes(b"x" * 60_000_000)  # 2 million vertices
+    planned(where, tmp_path / "out", frequency=20)
+    asked = store.read_json(tmp_path / "out/plan/memory.json")
+    assert asked["landmarks"]["00000"] == asked["import"]["00000"] == 600
+    assert 4000 < asked["landmarks"]["00002"] < 5000 and 6000 < asked["atlas"] < 13000
+    assert asked["sums"] > 3 * 8e-6 * (3 * 4002) * 2000
+    done = {"subjects": [{"subject": "s05", "vertices": [100_000, 200_000]}]}
+    for one in done["subjects"]:
+        one.update(files=[], anchors=None)
+    store.write_json(tmp_path / "out/surfaces/00002.json", done)
+    planned(where, tmp_path / "out", frequency=20)
+    asked = store.read_json(tmp_path / "out/plan/memory.json")
+    assert 900 <= asked["landmarks"]["00002"] < 1000
+
+
+def test_how_many_phases_and_voxels_a_file_has(egg_file):
+    found = memory.extent(egg_file, egg_file.stat().st_size)
+    assert found.phases == 1 and found.voxels > 1000
 
 
 def test_how_many_subjects_a_job_has_may_be_said(tmp_path):

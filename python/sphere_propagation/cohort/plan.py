@@ -13,7 +13,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from ..errors import InputError
 from ..version import version
-from . import store
+from . import memory, store
 from .study import EXCLUDE, Study
 from .subjects import NAME, Subject, rows_of
 
@@ -68,14 +68,14 @@ def write(
     }
     chunks = {chunk: those for chunk, those in chunks.items() if those}
     of = {subject.name: subject for subject in subjects}
+    asked: Dict[str, Dict[str, int]] = {}
     for chunk, those in chunks.items():
+        entries = _entries(output, chunk, base, [of[name] for name in those])
         store.write_if_changed(
             folder / "import" / f"{chunk}.json",
-            {
-                **_header("import", study.part(*IMPORT_KEYS)),
-                "subjects": _entries(output, chunk, base, [of[name] for name in those]),
-            },
+            {**_header("import", study.part(*IMPORT_KEYS)), "subjects": entries},
         )
+        asked[chunk] = memory.of_chunk(base, entries, output / "surfaces" / f"{chunk}.json")
     for old in folder.glob("import/*.json"):
         if old.stem not in chunks:
             old.unlink()
@@ -101,6 +101,11 @@ def write(
         {**_header("report", study.part("quality")), "remarks": list(remarks)},
     )
     store.write_if_changed(folder / "members.json", members)
+    atlas = [chunk for _, chunk in store.read_json(folder / "atlas.json")["subjects"]]
+    landmarks = 10 * study.frequency**2 + 2
+    store.write_if_changed(
+        folder / "memory.json", memory.of_study(asked, atlas, landmarks)
+    )  # of no step: what is asked for changes no result
     blocks = tree(sorted(chunks))
     plan = {
         "chunks": {chunk: len(those) for chunk, those in sorted(chunks.items())},
