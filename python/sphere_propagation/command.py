@@ -37,6 +37,8 @@ from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters, in_ful
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
+CONNECTIVITIES = dict(zip(("icosphere", "union"), morphing.CONNECTIVITIES))
+PATHS = dict(zip(("linear", "model"), morphing.PATHS))
 ALIGNMENTS = {name.lower(): name for name in filters.ALIGNMENTS}
 MAPS = {name.lower(): name for name in INITIAL_MAPS}
 REPAIRS = {name.lower(): name for name in filters.HANDLE_REPAIRS}
@@ -212,7 +214,7 @@ def _morph(options, make_progress) -> int:
         options.surfaces,
         options.output,
         print,
-        order=ORDERS[options.order],
+        order=options.order,
         steps=options.steps,
         connectivity=options.connectivity,
         frequency=options.frequency,
@@ -545,7 +547,7 @@ def parser() -> argparse.ArgumentParser:
     fit.add_argument(
         "--pose",
         choices=["search", "as-it-lies", "anchors"],
-        type=str.lower,
+        type=_hyphened,
         default="search",
         help="where the model is to begin: anywhere, in its own frame, or where three anchors or "
         "more put it (default: %(default)s)",
@@ -568,7 +570,7 @@ def parser() -> argparse.ArgumentParser:
     fit.add_argument(
         "--alignment",
         choices=["as-the-model", "rigid", "similarity"],
-        type=str.lower,
+        type=_hyphened,
         default="as-the-model",
         help="whether size is sought, too (similarity); by default where the model was built "
         "without size",
@@ -610,11 +612,7 @@ def parser() -> argparse.ArgumentParser:
         help="where the results go (default: %(default)s)",
     )
     morph.add_argument(
-        "--order",
-        choices=list(ORDERS),
-        type=str.lower,
-        default="time",
-        help="who hands the map to whom (default: %(default)s)",
+        "--order", **_choice("order", ORDERS, "who hands the map to whom", ORDERS["time"])
     )
     morph.add_argument(
         "--steps",
@@ -625,11 +623,13 @@ def parser() -> argparse.ArgumentParser:
     )
     morph.add_argument(
         "--connectivity",
-        choices=["icosphere", "union"],
-        type=str.lower,
-        default="icosphere",
-        help="of the shapes: the landmarks', or all vertices and edges of both neighbours, "
-        "which is both exactly at its ends (default: %(default)s)",
+        **_choice(
+            "connectivity",
+            CONNECTIVITIES,
+            "of the shapes: the landmarks', or all vertices and edges of both neighbours, which is "
+            "both exactly at its ends",
+            CONNECTIVITIES["icosphere"],
+        ),
     )
     morph.add_argument(
         "--frequency",
@@ -640,11 +640,12 @@ def parser() -> argparse.ArgumentParser:
     )
     morph.add_argument(
         "--along",
-        choices=["linear", "model"],
-        type=str.lower,
-        default="linear",
-        help="straight from each to the next, or smooth through the scores of all "
-        "(default: %(default)s)",
+        **_choice(
+            "along",
+            PATHS,
+            "straight from each to the next, or smooth through the scores of all",
+            PATHS["linear"],
+        ),
     )
     morph.add_argument(
         "--closed", action="store_true", help="from the last back to the first as well"
@@ -774,6 +775,11 @@ def _choice(
         "default": default if fills else None,
         "help": f"{words} (default: {short.get(default, default)})",
     }
+
+
+def _hyphened(text: str) -> str:
+    """ "As it lies", as the filters have it, is as-it-lies."""
+    return re.sub(r"[\s_-]+", "-", text.strip()).lower()
 
 
 def _shell_word(name: str) -> str:

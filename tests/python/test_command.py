@@ -367,6 +367,22 @@ def test_values_that_options_do_not_take_end_with_2(capsys, option, value, words
     assert said.splitlines()[1:] == ["sphere-propagation run --help lists what there is."]
 
 
+def test_choices_are_understood_as_the_filters_have_them_too():
+    """Of every command; in any case."""
+    parse = command.parser().parse_args
+    for short, full in command.ORDERS.items():
+        for word in (short, full, full.upper(), full.replace(" ", "-")):
+            assert parse(["run", "x", "-o", "y", "--order", word]).order == full
+            assert parse(["morph", "x", "--order", word]).order == full
+    for option, names in (("connectivity", command.CONNECTIVITIES), ("along", command.PATHS)):
+        for short, full in names.items():
+            for word in (short, full):
+                assert getattr(parse(["morph", "x", f"--{option}", word]), option) == full
+    for word in ("as-it-lies", "As it lies", "AS IT LIES"):
+        assert parse(["fit", "m", "x", "--pose", word]).pose == "as-it-lies"
+    assert parse(["fit", "m", "x", "--alignment", "As the model"]).alignment == "as-the-model"
+
+
 def test_an_option_that_there_is_not_is_looked_for_in_its_command(capsys):
     with pytest.raises(SystemExit) as end:
         run("run", "x", "-o", "y", "--ordr", "cyclic")
