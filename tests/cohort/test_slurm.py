@@ -20,7 +20,7 @@ import numpy as np
 from conftest import CHUNK, PHASES, SUBJECTS
 
 PROFILE = Path(__file__).with_name("profile")
-PATIENCE = 900  # seconds, on machines that have other things to do
+PATIENCE = 1800  # seconds, on machines that have other things to do
 NOT_RESULTS = ("costs", "logs", ".snakemake", ".lock")
 
 

@@ -53,22 +53,16 @@ class Environment:
         assert ended.returncode == code, ended.stdout + ended.stderr
         return ended.stderr if code else ended.stdout
 
+    def install(self, what):
+        """From the wheelhouse alone."""
+        house = os.environ["SPHERE_PROPAGATION_WHEELHOUSE"]
+        words = "-q", "--disable-pip-version-check", "--no-index", "--no-compile"
+        self.run("python", "-m", "pip", "install", *words, "--find-links", house, what)
+
 
 @pytest.fixture(scope="session")
 def environment(wheel, tmp_path_factory):
     made = Environment(tmp_path_factory.mktemp("wheel"))
     subprocess.run([sys.executable, "-m", "venv", str(made.bin.parent)], check=True)
-    made.run(
-        "python",
-        "-m",
-        "pip",
-        "install",
-        "-q",
-        "--disable-pip-version-check",
-        "--no-index",
-        "--no-compile",
-        "--find-links",
-        os.environ["SPHERE_PROPAGATION_WHEELHOUSE"],
-        wheel,
-    )
+    made.install(wheel)
     return made

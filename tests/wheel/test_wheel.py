@@ -4,6 +4,7 @@ the main job, the command."""
 
 import re
 import shutil
+import sys
 import zipfile
 from pathlib import Path
 
@@ -173,6 +174,24 @@ def test_surfaces_that_need_an_extra_name_it(environment):
 def test_cohorts_need_an_extra_and_name_it(environment):
     said = environment.run("sphere-propagation", "cohort", ".", "study", "group", code=1)
     assert "pip install 'sphere-propagation[cohort]'" in said or "Python 3.11" in said
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Snakemake takes Python 3.11 or later")
+def test_a_cohort_takes_the_wheel_and_its_extra_alone(environment, wheel):
+    environment.install(f"{wheel}[cohort]")
+    make = (
+        "import sphere_propagation as sp, pathlib\n"
+        "for seed in range(3):\n"
+        "    folder = pathlib.Path(f'hearts/sub-0{seed}'); folder.mkdir(parents=True)\n"
+        "    for k, one in enumerate(sp.make_phantom(phases=3, voxel_size=4.0, seed=seed)):\n"
+        "        sp.write_ply(folder / f'{k}.ply', one.vertices, one.faces)\n"
+    )
+    environment.run("python", "-c", make)
+    (environment.folder / "study.toml").write_text("frequency = 4\n")
+    words = "hearts", "study", "group", "--config", "study.toml", "--cores", 1
+    said = environment.run("sphere-propagation", "cohort", *words)
+    assert "3 subjects done, 9 surfaces; 0 failed" in said
+    assert (environment.folder / "study/model/model.npz").is_file()
 
 
 def test_a_package_without_its_plugin_says_so(environment):
