@@ -14,7 +14,7 @@ import pytest
 import sphere_propagation as sp
 from cohort_inputs import hand, inside, make_input, planned, results, run_steps
 from sphere_propagation import errors
-from sphere_propagation.cohort import cycles, importing, merging, store, wording, worker
+from sphere_propagation.cohort import cycles, importing, likeness, merging, store, wording, worker
 
 
 @pytest.fixture(scope="module")
@@ -162,6 +162,17 @@ def test_who_is_not_like_the_others_may_be_kept(hands):
             == 12
         )
     assert all(path.stat().st_mtime_ns == then for path, then in before.items())
+
+
+def test_one_whose_side_nobody_can_tell_does_not_hide_the_mirrored():
+    def warning(message, *names):
+        return sp.SpherePropagationWarning("it is so", message=message, layers=names)
+
+    said = [warning("mirrorImage", "a"), warning("sidesNotKnown", "b", "c")]
+    assert likeness.found_in(said, 8)["a"][0]["kind"] == "mirrored"
+    assert likeness.found_in(said, 7) == {}
+    said = [warning("mirrorImage", "b"), warning("mirrorImage", "c"), warning("mirroredRoot", "a")]
+    assert list(likeness.found_in(said, 3)) == ["a"]
 
 
 def test_where_sides_cannot_be_told_nobody_is_called_mirrored(done):

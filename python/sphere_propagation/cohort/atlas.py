@@ -121,12 +121,11 @@ def _made(
             continue
         unlike = {
             name: its
-            for name, its in likeness.found_in(said).items()
+            for name, its in likeness.found_in(said, len(found)).items()
             if any(one["kind"] in likeness.KINDS for one in its)
         }
         if not unlike or 2 * len(unlike) >= len(found):  # the half accuses nobody
-            sided = not {"sidesDiffer", "sidesNotKnown"} & {one.message for one in said}
-            return replace(made, sided=sided, odd=odd), said
+            return replace(made, sided=likeness.has_sides(said, len(found)), odd=odd), said
         odd.update(unlike)
         for name, its in unlike.items():
             left_out[name] = "; ".join(one["text"] for one in its)

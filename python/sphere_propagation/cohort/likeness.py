@@ -22,21 +22,31 @@ from .study import KINDS
 
 UNIT, MIRRORED = KINDS  # what models can leave out
 SIZE = "another size"
+UNSURE = 0.25  # part of the frames whose side may be unknown in a study that has sides
 REFERENCES = 5  # frames of the atlas that a subject is compared with
 OF_SIZE = ("anotherUnit", "anotherUnitThanRoot", "anotherSize", "anotherSizeThanRoot")
 OF_SIZE += ("severalSizes",)
-OF_SIDE = ("mirrorImage", "sidesDiffer", "sidesNotKnown", "mirroredRoot")
-SAID_HERE = (*OF_SIZE, *OF_SIDE, "halfOfLayersLarger", "fitOfOtherSize")
 
 Oddity = Dict[str, str]  # kind, text
 
 
-def found_in(said: Sequence[SpherePropagationWarning]) -> Dict[str, List[Oddity]]:
-    """Name of a frame -> what is odd about it. Sides are of no study where the filter cannot tell
-    them of some: shapes that are nearly their own mirror images, as ventricles."""
+def has_sides(said: Sequence[SpherePropagationWarning], count: int) -> bool:
+    """Whether the filter can tell the side of most of `count` frames: not of shapes that are nearly
+    their own mirror images, as ventricles, of which it would call some mirrored."""
+    unsure = {
+        name
+        for warning in said
+        if warning.message in ("sidesDiffer", "sidesNotKnown")
+        for name in warning.layers
+    }
+    return len(unsure) <= UNSURE * count
+
+
+def found_in(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, List[Oddity]]:
+    """Name of a frame -> what is odd about it among `count` of them."""
     odd: Dict[str, List[Oddity]] = {}
     messages = {warning.message for warning in said}
-    sided = not messages & {"sidesDiffer", "sidesNotKnown"}
+    sided = has_sides(said, count)
     for warning in said:
         if warning.message in OF_SIZE:
             one = _of_size(str(warning))
@@ -103,7 +113,7 @@ def judge(
             filters.propagate([*known, frame], root_map, root_layer=0, order="Star", threads=1)
         except SpherePropagationError:
             return []  # what cannot be done is found by the steps after this one
-    odd = found_in(said).get(frame.name, [])
+    odd = found_in(said, len(known) + 1).get(frame.name, [])
     return [one for one in odd if sided or one["kind"] != MIRRORED]
 
 
