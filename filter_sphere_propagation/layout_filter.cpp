@@ -13,6 +13,14 @@
 namespace sphere_propagation {
 namespace {
 
+/// The spheres that "Load anchors" shows of a layer go where it goes.
+std::vector<host::Layer> anchorsOf(const host::Layer& layer, const host::Layers& layers) {
+  std::vector<host::Layer> its;
+  for (const host::Layer& other : layers.visible(host::LayerKind::Anchors))
+    if (other.label() == layer.derivedLabel("anchors")) its.push_back(other);
+  return its;
+}
+
 class LayoutFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
@@ -38,7 +46,11 @@ class LayoutFilter : public host::Filter {
     if (count == 0) throw host::Refusal(messages::nothingToLayOut);
     if (allAside) {
       for (const auto& group : groups)
-        for (const host::Layer& layer : group) task.changes.showInPlace(layer);
+        for (const host::Layer& layer : group) {
+          task.changes.showInPlace(layer);
+          for (const host::Layer& its : anchorsOf(layer, task.layers))
+            task.changes.showInPlace(its);
+        }
       task.say(messages::layersInPlace, count);
     } else {
       Eigen::AlignedBox3d beside;
@@ -52,6 +64,8 @@ class LayoutFilter : public host::Filter {
         const std::vector<Vector3> moves = sideBySide(boxes, beside, cellsOfModel(labels));
         for (size_t i = 0; i < group.size(); ++i) {
           task.changes.showAside(group[i], moves[i]);
+          for (const host::Layer& its : anchorsOf(group[i], task.layers))
+            task.changes.showAside(its, moves[i]);
           beside.extend(boxes[i].translated(moves[i]));
         }
       }

@@ -8,6 +8,7 @@ import pytest
 from documents import (
     COLOR,
     LAYOUT,
+    LOAD,
     MODEL,
     PROPAGATE,
     REMESH,
@@ -66,6 +67,23 @@ def test_layers_are_laid_out_and_brought_back():
     assert max(box(m)[1][0] for m in list(ms)[:4]) < min(box(m)[0][0] for m in list(ms)[4:])
     assert ms.apply_filter(LAYOUT) == {"layers": 8, "side_by_side": False}
     assert snapshot(ms) == before  # bit for bit
+
+
+def test_shown_anchors_go_with_their_layer(tmp_path):
+    ms = mapped_cycle(2)
+    for mesh in ms:
+        place = ",".join(map(repr, map(float, mesh.vertex_matrix()[0])))
+        (tmp_path / f"{mesh.label()}.csv").write_text(f"name,x,y,z\napex,{place}\n")
+    ms.apply_filter(LOAD, file_name=str(tmp_path), show_anchors=True)
+    assert ms.mesh_number() == 4
+    before = snapshot(ms)
+    assert ms.apply_filter(LAYOUT)["layers"] == 2
+    surfaces, balls = list(ms)[:2], list(ms)[2:]
+    for surface, ball in zip(surfaces, balls):
+        assert np.array_equal(surface.transform_matrix(), ball.transform_matrix())
+    assert not np.array_equal(balls[1].transform_matrix(), np.eye(4))
+    ms.apply_filter(LAYOUT)
+    assert snapshot(ms) == before
 
 
 def test_a_layer_that_is_shown_later_is_laid_out_with_the_others():

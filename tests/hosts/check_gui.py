@@ -297,7 +297,9 @@ def test_anchors_by_clicks(start, sample):
         gui.close_dialog()
         balls = [p + " anchors" for p in PHASES]
         assert labels(gui) == PHASES + balls
+        gui.run(LAYOUT)
         show(gui, "17-anchors")
+        gui.run(LAYOUT)
         gui.choose_layer(gui.layers()[0])  # which has a star now
         gui.apply(ROOT)
         gui.open_filter(PROPAGATE)
