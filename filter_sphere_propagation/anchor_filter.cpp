@@ -37,14 +37,15 @@ Eigen::Matrix<unsigned char, 1, 3> colorOf(const std::string& name) {
 /// A small sphere at each anchor.
 host::NewLayer markersOf(const host::Layer& layer, const AnchorSet& anchors) {
   const Points vertices = layer.content().vertices;
-  const double radius =
-      markerPerDiagonal * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+  const Vector3 low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
+  const double radius = markerPerDiagonal * (high - low).norm();
   const Icosphere sphere = icosphere(markerFrequency);
   const Eigen::Index points = sphere.vertices.rows(), faces = sphere.faces.rows(),
                      count = static_cast<Eigen::Index>(anchors.size());
   host::NewLayer markers;
   markers.label = layer.derivedLabel("anchors");
   markers.kind = host::LayerKind::Anchors;
+  if (layer.isShownAside()) markers.aside = layer.shownBox().center() - 0.5 * (low + high);
   markers.vertices.resize(points * count, 3);
   markers.faces.resize(faces * count, 3);
   markers.colors = Colors(points * count, 3);

@@ -84,6 +84,13 @@ def test_shown_anchors_go_with_their_layer(tmp_path):
     assert not np.array_equal(balls[1].transform_matrix(), np.eye(4))
     ms.apply_filter(LAYOUT)
     assert snapshot(ms) == before
+    # Also where they are shown while it lies there.
+    laid = mapped_cycle(2)
+    laid.apply_filter(LAYOUT)
+    laid.apply_filter(LOAD, file_name=str(tmp_path), show_anchors=True)
+    assert np.allclose(laid.mesh(1).transform_matrix(), laid.mesh(3).transform_matrix())
+    laid.apply_filter(LAYOUT)
+    assert np.allclose(laid.mesh(3).transform_matrix(), np.eye(4))
 
 
 def test_a_layer_that_is_shown_later_is_laid_out_with_the_others():
