@@ -57,3 +57,26 @@ def test_points_are_taken_on_layers_in_the_worlds_frame_alone(meshlab, tmp_path)
                 mesh.vertex_custom_point_attribute_matrix(f"anchor_{name}"), axis=0
             )
             assert np.linalg.norm(mesh.vertex_matrix() - place, axis=1).min() < 6, (shift, name)
+
+
+def test_from_clicks_to_maps_that_hold_anchors(meshlab, tmp_path):
+    """As check_gui.py does in MeshLab 2025.07."""
+    folder = tmp_path / "sample"
+    shutil.copytree(SAMPLE, folder)
+    with meshlab(folder / "ventricle.mlp") as gui:
+        gui.fill_screen()
+        until(lambda: len(gui.layers()) == 5, "the layers")
+        gui.choose_layer(gui.layers()[0])
+        assert pick(gui, folder / "surfaces/ventricle_0_picked_points.pp")
+        assert "3 anchors from" in gui.apply("Load anchors")
+        gui.close_dialog()
+        gui.apply("Load anchors", File=str(folder / "anchors"), Show_anchors=True)
+        gui.close_dialog()
+        assert sum("anchors" in label for label in gui.layers()) == 5
+        gui.picture("anchors")
+        gui.choose_layer(gui.layers()[0])
+        gui.apply("Spherical parameterise root")
+        said = gui.apply(
+            "Propagate parameterisation to layers", Order="Cyclic time", Anchors="Exact"
+        )
+        assert said.count("0 flipped faces") == 5 and "Anchors, " in said, said
