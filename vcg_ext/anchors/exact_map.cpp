@@ -41,7 +41,7 @@ struct Manner {
   int ringsWithHeld;  ///< of patches that are untangled
 };
 constexpr Manner manners[]{
-    {true, true, true, 240, 12}, {true, true, false, 240, 12}, {false, false, false, 60, 4}};
+    {true, true, true, 150, 12}, {true, true, false, 240, 12}, {false, false, false, 60, 4}};
 
 /// The tangent at p that leads to q along the great circle, as long as the way.
 Vector3 wayFrom(const Vector3& p, const Vector3& q) {
@@ -230,10 +230,6 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
     return most;
   };
   double most = result.longestWay = look();
-  const auto notHeld = [&] {
-    return AnchorError(
-        Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
-  };
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
   const std::vector<int> owners = ownersOf(surface, points);
   std::vector<char> held;
@@ -270,7 +266,9 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
       relaxation.reset();  // what follows are the last bits
       continue;
     }
-    if (result.steps == manner.mostSteps) throw notHeld();
+    if (result.steps == manner.mostSteps)
+      throw AnchorError(
+          Finding(Fault::AnchorsNotHeld, surface.name()).against(names[worst]).at(most));
     const double share = std::min(1.0, shorter * stepPerWidth * width / most);
     sinceRelaxed += share * most;
     Points moved = movedBy(share);
@@ -282,8 +280,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
         result.untangledFaces += mended.repairedFaces;
         result.map = std::move(mended.map);
       } catch (const MapError&) {
-        if (relaxation && manner.waits) {
-          if (shorter < leastShare) throw notHeld();
+        if (relaxation && manner.waits && shorter > leastShare) {
           result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
           shorter /= 2;
           sinceRelaxed = 0;

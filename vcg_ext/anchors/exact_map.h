@@ -18,9 +18,9 @@
 /// area_energy.h is lowered, both weights 1, towards the given map's areas and towards shapes of
 /// faces between the given map's and, the more the farther (a share of 2 w, at most 1), the
 /// surface's: so far a move leaves little of the given map to be kept. Where a step cannot be
-/// untangled, what is there is spread first, and half the step taken, down to a 20th; where that is
-/// not enough, another try has such steps mended, points and all, and a last one flows alone, faces
-/// of points moved as all others, and spreads in the end only.
+/// untangled, what is there is spread first, and half the step taken, down to a 20th, before it is
+/// mended, points and all. Where this finds no map, a second try mends at once, and a third flows
+/// alone, faces of points moved as all others, and spreads in the end only.
 
 #include <string>
 #include <vector>
