@@ -233,6 +233,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
   const std::vector<int> owners = ownersOf(surface, points);
   std::vector<char> held;
+  held.reserve(owners.size());
   for (const int its : owners) held.push_back(its != nobody);
   const auto movedBy = [&](double share) {
     std::vector<Vector3> velocities = left;
@@ -312,6 +313,7 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
                      const std::vector<Vector3>& targets, const std::vector<std::string>& names) {
   if (points.empty()) return {map};
   std::vector<Vector3> places;
+  places.reserve(points.size());
   for (const SurfacePoint& point : points) places.push_back(placeOf(map, point));
   requireApart(places, targets, map.surface().name(), names);
   std::optional<AnchorError> first;  // says more than those of the others

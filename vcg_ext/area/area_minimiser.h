@@ -59,8 +59,8 @@ class AreaMinimiser {
   /// per cent.
   struct FaceTerms {
     std::array<Tangent2, 3> logArea, quotient;
-    float slope, curvature, shapeWeight;
-    std::array<float, 3> tie;  ///< with the damping's
+    float slope = 0, curvature = 0, shapeWeight = 0;
+    std::array<float, 3> tie = {};  ///< with the damping's
   };
 
   double expandFaces(const AreaStepParameters& parameters, const Points& positions);

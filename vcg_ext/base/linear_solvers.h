@@ -24,6 +24,8 @@ class SparseCholesky {
   using Matrix = Eigen::SparseMatrix<double>;
   SparseCholesky();
   ~SparseCholesky();
+  SparseCholesky(const SparseCholesky&) = delete;
+  SparseCholesky& operator=(const SparseCholesky&) = delete;
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 

@@ -16,6 +16,8 @@ class VertexLocator {
   /// points: #P by 3, #P >= 1, finite; copied. Throws ParameterError when there is no point.
   explicit VertexLocator(Points points);
   ~VertexLocator();
+  VertexLocator(const VertexLocator&) = delete;
+  VertexLocator& operator=(const VertexLocator&) = delete;
   VertexLocator(VertexLocator&&) noexcept;
   VertexLocator& operator=(VertexLocator&&) noexcept;
 
