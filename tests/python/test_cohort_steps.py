@@ -14,7 +14,16 @@ import pytest
 import sphere_propagation as sp
 from cohort_inputs import hand, inside, make_input, planned, results, run_steps
 from sphere_propagation import errors
-from sphere_propagation.cohort import cycles, importing, likeness, merging, store, wording, worker
+from sphere_propagation.cohort import (
+    atlas,
+    cycles,
+    importing,
+    likeness,
+    merging,
+    store,
+    wording,
+    worker,
+)
 
 
 @pytest.fixture(scope="module")
@@ -344,6 +353,18 @@ def test_one_subject_makes_an_atlas_and_one_shape_no_model(tmp_path):
         run_steps(tmp_path / "out")
     with inside(tmp_path / "out"):
         assert np.load(Path("landmarks/00000.npy")).shape == (1, 486)
+
+
+def test_errors_of_anchors_name_the_users_file(tmp_path):
+    (tmp_path / "plan").mkdir()
+    store.write_json(tmp_path / "plan/study.json", {"input": str(tmp_path)})
+    of = {"sub-1": "marks/one.csv", "sub-10": "marks/ten.csv"}
+    with (
+        inside(tmp_path),
+        pytest.raises(sp.FileError, match="^marks/ten.csv is no table$"),
+        atlas.anchor_folder(of) as folder,
+    ):
+        raise sp.FileError(f"{folder}/sub-10.csv is no table")
 
 
 def test_anchors_become_landmarks_of_the_atlas_and_of_everybody(tmp_path):

@@ -200,25 +200,25 @@ def anchor_folder(of: Mapping[str, str]):
         return
     base = Path(store.read_json(PLAN / "study.json")["input"])
     with tempfile.TemporaryDirectory() as folder:
+        theirs = {}
         for name, file in of.items():
             path = base / file
             ending = next((one for one in ANCHOR_FILES if path.name.endswith(one)), path.suffix)
             (Path(folder) / f"{name}{ending}").symlink_to(path.resolve())
-        with _naming(folder, of):
+            theirs[f"{name}{ending}"] = file
+        with _naming(folder, theirs):
             yield folder
 
 
 @contextlib.contextmanager
 def _naming(folder: str, of: Mapping[str, str]):
-    """Errors name the user's file, not the one here."""
+    """Errors name the user's file, not the one here. of: name here -> file."""
     try:
         yield
     except SpherePropagationError as error:
         text = re.sub(
             rf"(?:{re.escape(folder)}|{re.escape(os.path.realpath(folder))})/([\w.+-]+)",
-            lambda found: next(
-                (file for name, file in of.items() if found[1].startswith(f"{name}")), found[1]
-            ),
+            lambda found: of.get(found[1], found[1]),
             str(error),
         )
         error.args = (text, *error.args[1:])
