@@ -199,6 +199,15 @@ def test_a_job_that_fails_says_why(tmp_path):
     )
 
 
+def test_a_profile_is_looked_for_where_the_user_stands(tmp_path, monkeypatch):
+    (tmp_path / "mine").mkdir()
+    monkeypatch.chdir(tmp_path)
+    words = engine.command("group", 3, "mine")
+    assert words[words.index("--profile") + 1] == str(tmp_path / "mine")
+    assert "cluster=1" in words and "cluster=0" in engine.command("group", 3, None)
+    assert engine._profile("slurm").endswith("profiles/slurm") and engine._profile("x") == "x"
+
+
 def test_the_lock_is_let_go_of(tmp_path):
     with (
         engine.lock(tmp_path),
