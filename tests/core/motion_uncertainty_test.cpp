@@ -153,17 +153,15 @@ TEST(MotionUncertainty, OfACycleIsLargestFarFromTheRoot) {
 TEST(MotionUncertainty, OfAllLayersAtOnceIsTheSameForAnyNumberOfThreads) {
   constexpr int layers = 12;
   const PropagationTree tree = cyclicTimeOrder(layers, 0);
-  const Propagation three = followed(beating(layers), tree, true, 3, true),
-                    one = test::underAddressSanitizer()  // sees in the second what it saw here
-                              ? three
-                              : followed(beating(layers), tree, true, 1, true);
-  ASSERT_EQ(one.smoothed, layers - 1);
-  EXPECT_EQ(one.rootError.size(), one.layers[0].map().vertexCount());
-  for (size_t t = 1; t < layers; ++t) {
+  const Propagation three = followed(beating(layers), tree, true, 3, true);
+  ASSERT_EQ(three.smoothed, layers - 1);
+  EXPECT_EQ(three.rootError.size(), three.layers[0].map().vertexCount());
+  for (size_t t = 1; t < layers; ++t) EXPECT_GT(three.layers[t].uncertainty.minCoeff(), 0) << t;
+  EXPECT_LT(three.layers[1].uncertainty.mean(), three.layers[6].uncertainty.mean());
+  if (test::underAddressSanitizer()) return;  // a second run meets what the first did
+  const Propagation one = followed(beating(layers), tree, true, 1, true);
+  for (size_t t = 1; t < layers; ++t)
     EXPECT_EQ(one.layers[t].uncertainty, three.layers[t].uncertainty) << t;
-    EXPECT_GT(one.layers[t].uncertainty.minCoeff(), 0);
-  }
-  EXPECT_LT(one.layers[1].uncertainty.mean(), one.layers[6].uncertainty.mean());
 }
 
 }  // namespace sphere_propagation
