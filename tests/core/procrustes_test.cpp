@@ -262,6 +262,25 @@ TEST(AlignByAnchors, RecoversKnownMotionsExactly) {
   }
 }
 
+TEST(AlignByAnchors, WithAllLandmarksForAnchorsIsProcrustes) {
+  std::vector<Points> shapes = test::ellipsoids(5, 3);
+  for (unsigned k = 0; k < shapes.size(); ++k)
+    shapes[k] = test::moved(shapes[k], test::randomRotation(k), 1 + 0.1 * k,
+                            Vector3(900 - 30.0 * k, -500, 70));  // far from the origin
+  const TrainingSet set = test::trainingSet(shapes, test::ellipsoidFaces());
+  for (const bool scaled : {false, true}) {
+    const Aligned byAnchors = alignByAnchors(set, shapes, scaled),
+                  byAll = alignShapes(set, with(scaled ? Alignment::Similarity : Alignment::Rigid));
+    EXPECT_TRUE(byAnchors.converged);
+    EXPECT_LT(byAnchors.iterations, 50);
+    for (size_t k = 0; k < shapes.size(); ++k)
+      EXPECT_LT(largestDifference(byAnchors.shapes.shapes()[k].landmarks,
+                                  byAll.shapes.shapes()[k].landmarks),
+                1e-9)
+          << scaled << ", shape " << k;
+  }
+}
+
 TEST(AlignByAnchors, LandmarksDoNotCount) {
   // Shapes that differ, with anchors that do not: each is moved by its anchors, none of it is lost.
   const std::vector<Points> shapes = test::ellipsoids(3, 5);

@@ -175,7 +175,10 @@ Aligned alignByAnchors(const TrainingSet& shapes, const std::vector<Points>& all
     for (size_t i = 0; i < given.size(); ++i)
       fits[i] = fitShared(SharedPoints(anchors[i], mean), scaled);
     Points next = averageOfThere(anchors, fits, isIn);
-    if (scaled) next *= startSize / sizeOf(next);
+    if (scaled) {  // about its own middle: about the origin it would wander off, round by round
+      const RowVector middle = withoutMissing(next).colwise().mean();
+      next = ((startSize / sizeOf(next)) * (next.rowwise() - middle)).rowwise() + middle;
+    }
     const double change = withoutMissing(next - mean).norm();
     mean = std::move(next);
     ++iterations;
