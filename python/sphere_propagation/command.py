@@ -31,9 +31,10 @@ from . import (
     units,
     version,
 )
-from .errors import InputError, SpherePropagationError, SpherePropagationWarning
+from .errors import FileError, InputError, SpherePropagationError, SpherePropagationWarning
 from .flags import by_flags, option
 from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters, in_full
+from .results import require_apart, require_writable
 
 METHODS = {"robust": "Robust", "published": "As published"}
 ORDERS = {"time": "Time", "cyclic": "Cyclic time", "similarity": "Similarity tree", "star": "Star"}
@@ -180,10 +181,14 @@ def _convert(options, make_progress) -> int:
 
 
 def _explore(options, make_progress) -> int:
+    output = Path(options.output or Path(options.model).with_name("explore.html"))
+    require_apart([options.model, Path(options.model).with_name("landmarks.npz")], output)
+    if not output.parent.is_dir():
+        raise FileError(f"There is no folder {output.parent} to write {output.name} to.")
+    require_writable(output.parent)
     page = explorer.explore(
         options.model, unit=options.unit, modes=options.modes, cyclic=options.cyclic
     )
-    output = options.output or Path(options.model).with_name("explore.html")
     print(f"{page.about}\n{page.save(output)}: open it in a browser")
     return 0
 

@@ -11,6 +11,7 @@ import numpy as np
 from . import files, readers
 from .attention import warn
 from .errors import FileError, InputError
+from .results import ResultFolder, require_apart
 from .surface import Surface, count_others
 
 
@@ -49,6 +50,9 @@ def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -
                 f"{target} exists: choose a folder (--to), or let it be replaced (--overwrite)."
             )
         found.append(Job(source, target))
+    require_apart(targets, *(job.target for job in found))
+    if folder is not None:
+        ResultFolder(folder).require_folder()
     return Plan(found, refused)
 
 

@@ -19,7 +19,7 @@ from .files import write_ply
 from .model import ShapeModel
 from .model_files import beside, checked_names, name_arrays, read_model
 from .parameters import NAMED, path_of, whole_number
-from .results import ResultFolder
+from .results import ResultFolder, require_apart
 from .sphere_map import SphereMap
 from .surface import Surface, SurfaceLike, array_of, as_surface
 from .units import DEFAULT_UNIT, unit_named
@@ -217,9 +217,12 @@ def fit_files(
             value for value in (*POSES, *SIZES) if value.lower().replace(" ", "-") == choices[key]
         )
         choices[key] = next(words, choices[key])
-    found = list(_surfaces_of(files.input_files(*surfaces), label))
-    files.warn_of_frames(found)
+    paths = files.input_files(*surfaces)
+    require_apart([model, *([anchors] if anchors else []), *paths], folder)
     results = ResultFolder(folder)
+    results.require_folder()
+    found = list(_surfaces_of(paths, label))
+    files.warn_of_frames(found)
     names = ("surface_distance", "noise", "deviation", "percentile", "unseen", "unexplained")
     with _prepared(model) as prepared:
         results.create()

@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, 
 import numpy as np
 
 from . import attention, files, filters, gallery, pictures, plugin, projects, report
+from .adapters import is_path
 from .attention import warn
 from .correspondence import Correspondence, checked, correspond_by
 from .errors import FilterError, InputError, SpherePropagationWarning
@@ -24,7 +25,7 @@ from .phantom import SCAN_SPACING, Ventricle
 from .preparation import prepare, steps_in_words
 from .progress import Lines
 from .provenance import Provenance, provenance
-from .results import ResultFolder
+from .results import ResultFolder, require_apart
 from .surface import Surface, count_others, distinct_names
 from .units import DEFAULT_UNIT
 from .views import Row
@@ -94,10 +95,7 @@ def run_meshes(
     if choices.alignment in filters.ALIGNMENTS_BY_ANCHORS and choices.parameters.anchors is None:
         raise InputError(f"alignment: {choices.alignment!r} needs anchors.")
     ResultFolder(folder).require_folder()
-    home = Path(folder).resolve()
-    for path in paths:
-        if home in path.resolve().parents:
-            raise InputError(f"{path} lies in the output folder {folder}: choose another one.")
+    require_apart([*paths, *_files_of(choices.parameters)], folder)
     if not any(map(files.is_label_volume, paths)):  # whose phases are counted when they are read
         checked(choices.parameters, len(paths))
     name = name or _name_of(meshes, paths)
@@ -106,6 +104,11 @@ def run_meshes(
     notes = ALWAYS_NOTED if alone else (*ALWAYS_NOTED, *OF_SEVERAL)
     with attention.collected() as said, attention.noting(*notes):
         return _run_files(paths, folder, name, choices, steps, said)
+
+
+def _files_of(parameters: CorrespondenceParameters) -> List[Path]:
+    """What is read beside the surfaces."""
+    return [Path(p) for p in (parameters.anchors, parameters.anchor_positions) if is_path(p)]
 
 
 def _require_one_kind(paths: Sequence[Path], choices: Choices) -> None:
@@ -280,6 +283,7 @@ def run_phantom(
     choices = replace(choices, parameters=parameters)
     began = provenance(choices.command, {}, [])
     ResultFolder(folder).require_folder()
+    require_apart(_files_of(parameters), folder)
     without = plugin.volume_failure()
     scanned = int(not without)
     kinds = [{gallery.MODEL}] * scanned + [{gallery.ERRORS}]

@@ -13,10 +13,10 @@ from . import layers, pictures
 from .colors import place_colors, sphere_coordinates
 from .correspondence import correspond
 from .errors import FileError, InputError
-from .files import read_meshes, write_ply
+from .files import mesh_files, read_meshes, write_ply
 from .filters import _maps_of
 from .parameters import NAMED, path_of, real_number, whole_number
-from .results import ResultFolder
+from .results import ResultFolder, require_apart
 from .sphere_map import MapLike, SphereMap
 from .surface import Surface, SurfaceLike, as_surfaces, counted
 from .views import upright
@@ -169,10 +169,13 @@ def morph(
 def morph_files(surfaces, folder, say: Callable[[str], None], order: str, **choices) -> List[str]:
     """morph() for files, or folders of them, propagated before: the shapes as PLY files and, where
     pictures can be drawn, morph.gif. Returns what lies in the folder."""
-    found = read_meshes(*surfaces)
-    if len(found) < 2:
-        raise InputError(f"A morph takes two surfaces at least, not {len(found)}.")
+    paths = mesh_files(*surfaces)
+    if len(paths) < 2:
+        raise InputError(f"A morph takes two surfaces at least, not {len(paths)}.")
+    require_apart(paths, folder)
     results = ResultFolder(folder)
+    results.require_folder()
+    found = read_meshes(*paths)
     results.create()
     result = correspond(found, order=order)
     between = morph(result.surfaces, result.maps, **choices)

@@ -4,13 +4,49 @@ this one made and nothing else."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence, Set
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Set
 
 from .digest import digest as digest_of
-from .errors import InputError
+from .errors import FileError, InputError
 
 LIST = ".sphere-propagation.sha256"  # as sha256sum writes it; lies in the folder
+
+
+def require_apart(inputs: Iterable, *outputs) -> None:
+    """InputError where an output, a file or a folder, is an input, or a folder that one lies in:
+    what is read would be replaced."""
+    given = {_identity(Path(path)): path for path in inputs}
+    for output in map(Path, outputs):
+        if _identity(output) in given:
+            raise InputError(
+                f"{given[_identity(output)]} is to be read, and cannot be the output as well: "
+                "choose another one."
+            )
+        if not output.is_dir():
+            continue
+        home = output.resolve()
+        for path in map(Path, given.values()):
+            # A link lies where it is, too.
+            if home in path.resolve().parents or home in (path.parent.resolve() / "_").parents:
+                raise InputError(f"{path} lies in the output folder {output}: choose another one.")
+
+
+def _identity(path: Path):
+    """The same for all names of a file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return path.resolve()
+    return found.st_dev, found.st_ino
+
+
+def require_writable(folder: Path) -> None:
+    """FileError where nothing can be written to a folder, or it cannot be made."""
+    there = next((path for path in (folder, *folder.parents) if path.exists()), folder)
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise FileError(f"Nothing can be written to {there}: choose another place (-o).")
 
 
 class ResultFolder:
@@ -32,13 +68,15 @@ class ResultFolder:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def require_folder(self) -> None:
-        """InputError where a file has its name, or that of a folder above it."""
+        """InputError where a file has its name, or that of a folder above it; FileError where
+        nothing can be written."""
         for path in (self.folder, *self.folder.parents):
             if path.exists() and not path.is_dir():
                 raise InputError(
                     f"{path} is a file: results go into a folder, which is made where there is "
                     "none. Choose another name (-o)."
                 )
+        require_writable(self.folder)
 
     def write(self, name: str, writer: Callable[[Path], object]) -> Path:
         """Calls writer(path) for a file of that name (with / between folders) and lists it; returns

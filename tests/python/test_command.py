@@ -5,6 +5,7 @@ import base64
 import csv
 import html
 import io
+import os
 import re
 import signal
 import subprocess
@@ -642,3 +643,64 @@ def test_a_run_that_fails_leaves_no_empty_folder(cycle, tmp_path, capsys):
     (tmp_path / "there").mkdir()
     assert command.main([*words, str(tmp_path / "there")]) == 1
     assert (tmp_path / "there").is_dir()
+
+
+def test_no_output_takes_the_place_of_an_input(cycle, heart, tmp_path, capsys):
+    """Whatever the command, and whatever the file is called: by a link, or as a folder above."""
+    model = tmp_path / "m" / "model.npz"
+    model.parent.mkdir()
+    sp.shape_model(cycle.landmarks, cycle.landmark_faces, export_file=str(model))
+    new = tmp_path / "new.ply"
+    meshes = sorted(heart.glob("*.ply"))
+    new.write_bytes(meshes[0].read_bytes())
+    (tmp_path / "link.npz").symlink_to(model)
+    (tmp_path / "ring.ply").symlink_to(meshes[1])
+    (tmp_path / "out").mkdir()
+    os.link(meshes[1], tmp_path / "out" / meshes[0].name)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    for words in (
+        ["explore", model, "-o", model],
+        ["explore", model, "-o", tmp_path / "link.npz"],
+        ["fit", model, *meshes[:2], "-o", heart],
+        ["fit", model, tmp_path / "ring.ply", "-o", heart],
+        ["fit", model, new, "-o", model.parent],
+        ["fit", model, new, "-o", tmp_path],
+        ["fit", model, new, "--anchors", tmp_path / "m", "-o", tmp_path / "m"],
+        ["morph", heart, "-o", heart],
+        ["morph", *meshes, "-o", tmp_path],
+        ["run", heart, "-o", heart],
+        ["run", heart, "--anchors", model.parent, "-o", model.parent],
+        ["run", heart, "--anchor-positions", model, "-o", model.parent],
+        ["demo", heart, "--input", heart],
+        ["demo", model.parent, "--anchors", model.parent],
+        ["convert", *meshes[:2], "--to", tmp_path / "out", "--overwrite"],
+    ):
+        assert run(*words) == 2, words
+        assert re.search("lies in the output|cannot be the output", capsys.readouterr().err), words
+        assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
+
+
+def test_an_output_that_cannot_be_written_is_found_before_the_work(
+    cycle, heart, tmp_path, capsys, monkeypatch
+):
+    model = tmp_path / "model.npz"
+    sp.shape_model(cycle.landmarks, cycle.landmark_faces, export_file=str(model))
+    (tmp_path / "locked").mkdir()
+    allowed = os.access  # which root is everywhere
+    monkeypatch.setattr(
+        os, "access", lambda path, *mode: Path(path).name != "locked" and allowed(path, *mode)
+    )
+    for name in ("read_mesh", "read_meshes", "surface_in"):
+        monkeypatch.setattr(files, name, lambda *_: pytest.fail("it has begun"))
+    out = tmp_path / "locked" / "out"
+    for words in (
+        ["run", heart, "-o", out],
+        ["fit", model, heart, "-o", out],
+        ["morph", heart, "-o", out],
+        ["convert", heart, "--to", out],
+        ["explore", model, "-o", tmp_path / "locked" / "page.html"],
+    ):
+        assert run(*words) == 1, words
+        assert f"Nothing can be written to {tmp_path / 'locked'}" in capsys.readouterr().err
+    assert run("explore", model, "-o", tmp_path / "none" / "page.html") == 1
+    assert "There is no folder" in capsys.readouterr().err
