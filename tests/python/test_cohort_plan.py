@@ -288,7 +288,8 @@ def test_only_what_changes_is_written_again(tmp_path):
     before = times(out)
     (out / "exclude.csv").write_text("subject,exclude,why\ns03,yes,moved\ns04,no,\n")
     planned(where, out, frequency=5)
-    assert changed(out, before) == ["plan/model.json"]
+    assert changed(out, before) == ["plan/model.json", "plan/report.json"]
+    assert store.read_json(out / "plan/report.json")["why"] == {"s03": "moved"}
     assert store.read_json(out / "plan/model.json")["exclude"] == ["s03"]
     before = times(out)
     (where / "s07.ply").write_bytes(b"xyz")

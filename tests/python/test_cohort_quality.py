@@ -7,17 +7,19 @@ from __future__ import annotations
 import json
 import re
 import zlib
+from hashlib import sha256
 
 import browser
 import numpy as np
 import pytest
-from cohort_inputs import octahedron
-from sphere_propagation.cohort import quality
+from cohort_inputs import inside, octahedron
+from sphere_propagation.cohort import cohort, quality, study_report
 from sphere_propagation.cohort import study as study_file
 from sphere_propagation.cohort.thumbnails import Studio, png, sheet
 from sphere_propagation.errors import InputError
 
 PHASES, CHUNK = 12, 50
+WRITTEN = ("model", "report")
 
 
 def record(name: str, row: int, draw: np.random.RandomState) -> dict:
@@ -34,7 +36,7 @@ def record(name: str, row: int, draw: np.random.RandomState) -> dict:
     return {
         "subject": name,
         "groups": {"sex": "f"},
-        "files": [{"file": f"{name}/seg.nii.gz", "sha256": "0" * 64}],
+        "files": [{"file": f"{name}/seg.nii.gz", "sha256": sha256(name.encode()).hexdigest()}],
         "failed": None,
         "row": row,
         "phases": PHASES,
@@ -55,6 +57,7 @@ def record(name: str, row: int, draw: np.random.RandomState) -> dict:
         "surface_distance_max": about(1.0),
         "branch_distance": about(0.5)[0],
         "warnings": [],
+        "odd": [],
         "deviation": about(1.0),  # these two are of scores/
         "residual": about(0.5),
     }
@@ -105,7 +108,10 @@ def study(folder, count: int, change=None, exclude=(), quality_table=None, seed:
             "exclude": list(exclude),
         },
     )
-    written(folder / "plan" / "report.json", {"parameters": {"quality": quality_table or {}}})
+    why = exclude if isinstance(exclude, dict) else dict.fromkeys(exclude, "")
+    settings = {"parameters": {"quality": quality_table or {}}, "why": why}
+    written(folder / "plan" / "report.json", settings)
+    written(folder / "atlas.json", {"warnings": []})
     return folder
 
 
@@ -211,6 +217,64 @@ def test_excluded_subjects_are_shown_and_judge_nobody(tmp_path):
     quality.write(study(tmp_path / "left", 20, bad, exclude=list(bad)))
     row = rows(tmp_path / "left")["sub-00000"]
     assert row[2] == "excluded" and "residual 2" in row[4]
+
+
+def failing(one):
+    one.update(failed={"step": "import", "reason": "it is open"})
+
+
+def came_out(folder):
+    """What the terminal says in the end, and whether all subjects are in the study."""
+    said = []
+    chunks = json.loads((folder / "plan/chunks.json").read_text())["chunks"]
+    complete = cohort._say_what_came_out(folder, "participant", chunks, said.append)
+    return "\n".join(said), complete
+
+
+def of_table(folder):
+    with inside(folder):
+        plan, report = (json.loads((folder / f"plan/{n}.json").read_text()) for n in WRITTEN)
+        return {row["subject"]: row for row in study_report.rows_of_subjects(plan, report["why"])}
+
+
+def test_a_failed_subject_that_is_excluded_is_not_missing(tmp_path):
+    bad = {"sub-00003": failing}
+    folder = study(tmp_path / "failed", 12, bad)
+    said, complete = came_out(folder)
+    assert not complete and "sub-00003 (import): it is open" in said
+    folder = study(tmp_path / "excluded", 12, bad, exclude={"sub-00003": "a test scan"})
+    said, complete = came_out(folder)
+    assert complete and "sub-00003 (import, excluded): it is open" in said
+    quality.write(folder)
+    row = rows(folder)["sub-00003"]
+    assert row[2] == "excluded" and row[4] == "import: it is open" and row[10] == "a test scan"
+    assert list(rows(folder))[0] != "sub-00003"
+    row = of_table(folder)["sub-00003"]
+    assert (row["status"], row["step"], row["reason"]) == ("excluded", "import", "it is open")
+    assert row["why_excluded"] == "a test scan"
+    own = (folder / "reports/00000.html").read_text(encoding="utf-8")
+    assert "Excluded from the model (a test scan). import: it is open" in own
+
+
+def test_files_that_are_copies_of_anothers_are_named(tmp_path):
+    """On the terminal, the page and in subjects.csv; who is excluded is no pair any more."""
+
+    def copy(one):
+        one["files"][0]["sha256"] = sha256(b"sub-00002").hexdigest()
+
+    folder = study(tmp_path / "both", 60, {"sub-00055": copy})
+    said, complete = came_out(folder)
+    words = "its file sub-00055/seg.nii.gz is the same, byte by byte, as sub-00002/seg.nii.gz of"
+    assert complete and "2 subjects with the same files:" in said
+    assert f"sub-00055: {words} sub-00002: " in said
+    quality.write(folder)
+    assert words in rows(folder)["sub-00055"][4] and "sub-00055" in rows(folder)["sub-00002"][4]
+    assert set(list(rows(folder))[:2]) == {"sub-00002", "sub-00055"}
+    found = of_table(folder)
+    assert found["sub-00055"]["status"] == "done" and words in found["sub-00055"]["reason"]
+    assert found["sub-00001"]["reason"] == ""
+    folder = study(tmp_path / "one", 60, {"sub-00055": copy}, exclude={"sub-00055": "twice"})
+    assert "same files" not in came_out(folder)[0]
 
 
 def test_alike_subjects_do_not_stand_out(tmp_path):
@@ -354,7 +418,7 @@ def test_the_study_checks_its_quality_table():
 @pytest.mark.skipif(browser.program() is None, reason="Chromium is not installed")
 def test_the_table_is_sorted_searched_and_ticked_in_a_browser(tmp_path):
     bad = {"sub-00120": REASONS["residual 2."], "sub-00007": REASONS["volume curve"]}
-    quality.write(study(tmp_path / "study", 150, bad, exclude=["sub-00003"]))
+    quality.write(study(tmp_path / "study", 150, bad, exclude={"sub-00003": "moved"}))
     window = browser.Browser(tmp_path / "profile")
     try:
         window.open(tmp_path / "study" / "report.html")
@@ -386,6 +450,14 @@ def test_the_table_is_sorted_searched_and_ticked_in_a_browser(tmp_path):
         assert "sub-00007" in names() and len(names()) < 10
         link = window.run("document.querySelector('#subjects td.words a').getAttribute('href')")
         assert (tmp_path / "study" / link.split("#")[0]).is_file()
+        assert window.run("document.getElementById('save').disabled")
+        window.run("box.value = 'sub-00003'; box.dispatchEvent(new Event('input'))")
+        assert "excluded (moved)" in window.run("document.querySelector('td.why').textContent")
+        tick = "document.querySelector('#subjects tbody input')"
+        assert window.run(f"{tick}.checked")
+        window.run(f"{tick}.click()")
+        assert not window.run("document.getElementById('save').disabled")
+        window.run(f"{tick}.click()")
         assert window.run("document.getElementById('save').disabled")
         window.run("document.querySelector('#subjects tbody input').click()")
         assert not window.run("document.getElementById('save').disabled")

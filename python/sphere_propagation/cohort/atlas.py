@@ -119,17 +119,34 @@ def _made(
             left_out[named.name] = reason(error)
             found.remove(named)
             continue
-        unlike = {
-            name: its
-            for name, its in likeness.found_in(said, len(found)).items()
-            if any(one["kind"] in likeness.KINDS for one in its)
-        }
+        unlike = _unlike(found, said)
         if not unlike or 2 * len(unlike) >= len(found):  # the half accuses nobody
             return replace(made, sided=likeness.has_sides(said, len(found)), odd=odd), said
         odd.update(unlike)
         for name, its in unlike.items():
             left_out[name] = "; ".join(one["text"] for one in its)
         found[:] = [one for one in found if one.name not in unlike]
+
+
+def _unlike(
+    found: Sequence[Surface], said: Sequence[SpherePropagationWarning]
+) -> Dict[str, List[likeness.Oddity]]:
+    """Frame -> in what it is not like the others, so that the atlas is made without it."""
+    odd = likeness.found_in(said, len(found))
+    rest = [one for one in found if one.name not in odd]
+    known = [rest[k] for k in likeness.spread(rest)]
+    of = {one.name: one for one in found}
+    kept = {
+        name: [
+            one
+            for one in its
+            if one["kind"] == likeness.UNIT
+            or one["kind"] == likeness.MIRRORED
+            and likeness.is_mirrored(of[name], known)
+        ]
+        for name, its in odd.items()
+    }
+    return {name: its for name, its in kept.items() if its}
 
 
 def _of(

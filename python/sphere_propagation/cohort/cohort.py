@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 
 from .. import files
 from ..errors import InputError
-from . import atlas, engine, likeness, plan, store, subjects
+from . import atlas, engine, likeness, plan, store, subjects, twins
 from .landmarks import LANDMARKS
 from .steps import COSTS
 from .study import read_study
@@ -50,14 +50,15 @@ def run(
     if labels:
         found, remarks = subjects.chosen(found, labels), []
         _require_no_fewer(output, found)
+    excluded = plan.excluded(output, study, home, found)
     if level == "group":
-        _require_enough(found, plan.excluded(output, study, home, found))
+        _require_enough(found, list(excluded))
     if dry:
         with engine.shadow(output) as folder:
             made = plan.write(folder, study, base, found, home, remarks)
             _say_what_would_run(folder, output, level, base, found, made, say)
             _say_remarks(remarks, say)
-        return LEFT_OUT if any(one.failed for one in found) else 0
+        return LEFT_OUT if any(one.failed and one.name not in excluded for one in found) else 0
     output.mkdir(parents=True, exist_ok=True)
     with engine.lock(output):
         if not profile:  # jobs on this machine have ended with the run that started them
@@ -137,25 +138,32 @@ def _say_what_came_out(
     output: Path, level: str, chunks: Sequence[str], say: Callable[[str], None]
 ) -> bool:
     """Whether all subjects are in it, but those that somebody excluded."""
-    done, phases, failed, odd, unlike = 0, 0, [], [], 0
+    done, phases, failed, odd, missing = 0, 0, [], [], 0
     model = store.read_json(output / plan.PLAN / "model.json")
     for chunk in chunks:
         for record in store.read_json(output / LANDMARKS / f"{chunk}.json")["subjects"]:
             name = record["subject"]
+            excluded = name in model["exclude"]
             if record["failed"]:
-                failed.append((f"{name} ({record['failed']['step']})", record["failed"]["reason"]))
+                where = record["failed"]["step"] + (", excluded" if excluded else "")
+                failed.append((f"{name} ({where})", record["failed"]["reason"]))
+                missing += not excluded
                 continue
             done, phases = done + 1, phases + record["phases"]
-            if record["odd"] and name not in model["exclude"]:
+            if record["odd"] and not excluded:
                 left = bool(likeness.left_out(record, model["parameters"]))
-                unlike += left
-                words = "; ".join(one["text"] for one in record["odd"])
-                odd.append((f"{name} ({'left out of' if left else 'in'} the models)", words))
+                missing += left
+                where = f"{name} ({'left out of' if left else 'in'} the models)"
+                odd.append((where, likeness.words_of(record)))
     say(f"\n{counted(done, 'subject')} done, {counted(phases, 'surface')}; {len(failed)} failed")
     _say_some(failed, say)
     if odd:
         say(f"{counted(len(odd), 'subject')} not like the others:")
         _say_some(odd, say)
+    same = list(twins.found_in(output, chunks, model).items())
+    if same:
+        say(f"{counted(len(same), 'subject')} with the same files:")
+        _say_some(same, say)
     for one in store.read_json(output / atlas.ATLAS.with_suffix(".json"))["warnings"]:
         if one["message"] in OF_THE_STUDY:
             say(f"note: of the subjects in the atlas, {one['text']}")
@@ -170,7 +178,7 @@ def _say_what_came_out(
         say("  cycle/model.npz, scores.csv: the model of the motion (4D)")
     spent = sum(cost["cpu_seconds"] for _, cost in _costs(output))
     say(f"{spent:.0f} CPU s, as costs/*.json say")
-    return not failed and not unlike
+    return not missing
 
 
 def _costs(output: Path) -> Iterator[Tuple[str, Dict[str, Any]]]:

@@ -10,6 +10,7 @@ COLUMNS = (
     "status",
     "step",
     "reason",
+    "why_excluded",
     "phases",
     "root",
     "volume_max",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from dataclasses import replace
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
@@ -79,19 +80,24 @@ def _of_size(text: str) -> Oddity:
 def _mirrored() -> Oddity:
     return {
         "kind": MIRRORED,
-        "text": "it is a mirror image of the other subjects, a left one among right ones? Mirror "
-        "its files where they were made",
+        "text": "it looks like a mirror image of the other subjects, a left one among right ones? "
+        "Look at it; if it is, exclude it, or mirror its files where they were made",
     }
 
 
 def references(frames: Sequence[Surface], landmarks: np.ndarray, root: int) -> np.ndarray:
     """Landmarks of REFERENCES frames, (frames, landmarks, 3): the root's, and evenly spread by
     size."""
+    rest = [k for k in range(len(frames)) if k != root]
+    picked = spread([frames[k] for k in rest], REFERENCES - 1)
+    return np.asarray(landmarks)[[root, *(rest[k] for k in picked)]]
+
+
+def spread(frames: Sequence[Surface], most: int = REFERENCES) -> List[int]:
+    """Which of them, from the smallest to the largest, evenly."""
     order = np.argsort([abs(frame.volume) for frame in frames], kind="stable")
-    order = order[order != root]
-    count = min(len(order), REFERENCES - 1)
-    picked = [order[i * (len(order) - 1) // max(count - 1, 1)] for i in range(count)]
-    return np.asarray(landmarks)[[root, *picked]]
+    count = min(len(order), most)
+    return [int(order[i * (len(order) - 1) // max(count - 1, 1)]) for i in range(count)]
 
 
 def as_surfaces(points: np.ndarray, faces: np.ndarray) -> List[Surface]:
@@ -114,7 +120,34 @@ def judge(
         except SpherePropagationError:
             return []  # what cannot be done is found by the steps after this one
     odd = found_in(said, len(known) + 1).get(frame.name, [])
-    return [one for one in odd if sided or one["kind"] != MIRRORED]
+    return [one for one in odd if one["kind"] != MIRRORED or sided and is_mirrored(frame, known)]
+
+
+def is_mirrored(frame: Surface, others: Sequence[Surface]) -> bool:
+    """Whether it is so beside most of the others, each alone, and its image is not: among all at
+    once one that is certain outvotes those that are not, and shapes that are nearly their own
+    mirror images may be nearer to a stranger's image than to the stranger."""
+    image = Surface(frame.vertices * [-1, 1, 1], frame.faces[:, ::-1], frame.name)
+    votes = sum(_is_image(frame, other) - _is_image(image, other) for other in others)
+    return 2 * votes > len(others)
+
+
+def _is_image(frame: Surface, other: Surface) -> bool:
+    """Whether one is certainly on the other side than the other is."""
+    root = replace(other, name="the other")
+    with attention.collected() as said, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            root_map = filters.parameterise_root(root, threads=1)
+            filters.propagate([root, frame], root_map, root_layer=0, order="Star", threads=1)
+        except SpherePropagationError:
+            return False
+    return "mirrorImage" in {warning.message for warning in said}
+
+
+def words_of(record: Mapping[str, Any]) -> str:
+    """What is odd about a subject; empty where nothing is."""
+    return "; ".join(one["text"] for one in record.get("odd", ()))
 
 
 def left_out(record: Mapping[str, Any], parameters: Mapping[str, Any]) -> str:

@@ -94,11 +94,11 @@ def write(
     marked = excluded(output, study, home, subjects)
     store.write_if_changed(
         folder / "model.json",
-        {**_header("model", study.part(*MODEL_KEYS)), "exclude": marked},
+        {**_header("model", study.part(*MODEL_KEYS)), "exclude": list(marked)},
     )
     store.write_if_changed(
         folder / "report.json",
-        {**_header("report", study.part("quality")), "remarks": list(remarks)},
+        {**_header("report", study.part("quality")), "remarks": list(remarks), "why": marked},
     )
     store.write_if_changed(folder / "members.json", members)
     atlas = [chunk for _, chunk in store.read_json(folder / "atlas.json")["subjects"]]
@@ -225,8 +225,8 @@ def _entries(
 
 def excluded(
     output: Path, study: Study, home: Optional[Path], subjects: Sequence[Subject]
-) -> List[str]:
-    """Whom the study's table leaves out of the models."""
+) -> Dict[str, str]:
+    """Whom the study's table leaves out of the models, and why."""
     return excluded_in(_exclude_file(output, study, home), [one.name for one in subjects])
 
 
@@ -239,17 +239,17 @@ def _exclude_file(output: Path, study: Study, home: Optional[Path]) -> Path:
     return path
 
 
-def excluded_in(path: Path, names: Sequence[str]) -> List[str]:
-    """Subjects that a table (subject, exclude, ...) marks; all that it names where it has no column
-    exclude."""
+def excluded_in(path: Path, names: Sequence[str]) -> Dict[str, str]:
+    """Subjects that a table (subject, exclude, why) marks, and what its column why says of each;
+    all that it names where it has no column exclude."""
     if not path.is_file():
-        return []
+        return {}
     rows = rows_of(path.resolve())
     shown = path.resolve()  # a dry run plans elsewhere
     if rows and "subject" not in rows[0]:
         raise InputError(f"{shown} lacks the column subject.")
     known = set(names)
-    marked = []
+    marked: Dict[str, str] = {}
     for number, row in enumerate(rows, 2):
         name, word = row["subject"], row.get("exclude", "yes")
         if word.lower() not in (*YES, *NO):
@@ -261,5 +261,5 @@ def excluded_in(path: Path, names: Sequence[str]) -> List[str]:
             continue
         if name not in known:
             raise InputError(f"{shown}: there is no subject {name!r}.")
-        marked.append(name)
-    return sorted(set(marked))
+        marked[name] = row.get("why", "")
+    return dict(sorted(marked.items()))

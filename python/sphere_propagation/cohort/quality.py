@@ -250,6 +250,7 @@ class Subject:
         default_factory=list
     )  # of the steps, which do not make it stand out
     curve: List[float] = field(default_factory=list)  # volumes as parts of the largest
+    why: str = ""  # it is excluded, as whoever did it says
 
 
 def checked(table: Mapping[str, Any]) -> Dict[str, Any]:
@@ -358,7 +359,7 @@ def judge(subjects: Sequence[Subject], threshold: float, unit: str = "mm") -> Di
             if z > threshold:
                 found.append((z, _reason(measure, value, z, known, unit)))
         said = [text for _, text in sorted(found, key=lambda pair: -pair[0])]
-        if usual and one.phases != usual:
+        if usual and one.phases and one.phases != usual:
             said.append(f"{one.phases} phases, others have {usual}")
             one.score = max(one.score, threshold)
         one.reasons = one.reasons + said

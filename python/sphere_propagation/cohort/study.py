@@ -37,7 +37,7 @@ class Study:
     files: str = ""  # which of a subject's, as "anat/*_dseg.nii.gz"; empty: all that can be read
     unit: str = DEFAULT_UNIT  # of meshes
     exclude: str = EXCLUDE
-    left_out: List[str] = field(default_factory=lambda: list(KINDS))
+    left_out: List[str] = field(default_factory=lambda: list(KINDS[:1]))  # the certain one
     # the atlas
     atlas_subjects: int = 200
     groupwise: bool = False

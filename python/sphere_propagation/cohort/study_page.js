@@ -3,13 +3,15 @@
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const [NAME, CHUNK, STATUS, SCORE, WHY, PHASES, PICTURE, CURVE, FIGURES, BEYOND] = [...Array(10).keys()];
+  const [NAME, CHUNK, STATUS, SCORE, WHY, PHASES, PICTURE, CURVE, FIGURES, BEYOND, OWN] = [...Array(11).keys()];
   const PIECE = 100;
   const table = document.getElementById("subjects");
   const [head, body] = [table.tHead, table.tBodies[0]];
   const search = document.getElementById("search"), only = document.getElementById("only");
   const more = document.getElementById("more"), save = document.getElementById("save");
-  const marked = new Set();
+  const before = new Set(data.subjects.filter(row => row[STATUS] === "excluded").map(row => row[NAME]));
+  const marked = new Set(before);
+  const isChanged = () => marked.size !== before.size || [...marked].some(name => !before.has(name));
   const columns = [
     { title: "exclude" },
     { title: "" },
@@ -44,9 +46,8 @@
   const drawn = row => {
     const line = element("tr", undefined, row[STATUS]);
     const tick = element("input");
-    tick.type = "checkbox"; tick.checked = marked.has(row[NAME]) || row[STATUS] === "excluded";
-    tick.disabled = row[STATUS] !== "done";
-    tick.onchange = () => { tick.checked ? marked.add(row[NAME]) : marked.delete(row[NAME]); save.disabled = !marked.size; };
+    tick.type = "checkbox"; tick.checked = marked.has(row[NAME]);
+    tick.onchange = () => { tick.checked ? marked.add(row[NAME]) : marked.delete(row[NAME]); save.disabled = !isChanged(); };
     const cell = (content, kind) => { const made = element("td", undefined, kind); if (content !== null) made.append(content); line.append(made); };
     cell(tick);
     const picture = element("div");
@@ -58,8 +59,8 @@
     const link = element("a", row[NAME]);
     link.href = `reports/${row[CHUNK]}.html#${encodeURIComponent(row[NAME])}`;
     cell(link, "words");
-    cell(["failed", "left out"].includes(row[STATUS]) ? row[STATUS] : row[SCORE] >= 1e9 ? (row[WHY].includes("no valid map") ? "invalid" : "unlike") : row[SCORE].toFixed(1), row[SCORE] >= data.threshold ? "out" : "");
-    cell((row[STATUS] === "excluded" ? "excluded; " : "") + row[WHY], "why");
+    cell(["failed", "left out"].includes(row[STATUS]) || !row[PHASES] ? row[STATUS] : row[SCORE] >= 1e9 ? (row[WHY].includes("no valid map") ? "invalid" : row[WHY].includes("byte by byte") ? "a copy" : "unlike") : row[SCORE].toFixed(1), row[SCORE] >= data.threshold ? "out" : "");
+    cell([row[STATUS] === "excluded" ? "excluded" + (row[OWN] && !row[WHY].includes(row[OWN]) ? ` (${row[OWN]})` : "") : "", row[WHY]].filter(Boolean).join("; "), "why");
     cell(row[CURVE].length ? curve(row[CURVE]) : "");
     cell(String(row[PHASES] || ""));
     data.measures.forEach((measure, k) => {
@@ -108,11 +109,11 @@
   head.append(line);
   search.oninput = again; only.onchange = again; more.onclick = piece;
 
-  // What is excluded already stays so: the file holds all of them.
+  // The file holds all that are ticked, those of before as well; with their reasons.
   save.onclick = () => {
     const quoted = text => /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-    const lines = data.subjects.filter(row => row[STATUS] === "excluded" || marked.has(row[NAME]))
-      .map(row => [row[NAME], "yes", quoted(row[WHY])].join(","));
+    const lines = data.subjects.filter(row => marked.has(row[NAME]))
+      .map(row => [row[NAME], "yes", quoted(row[OWN] || row[WHY])].join(","));
     const link = element("a");
     link.href = URL.createObjectURL(new Blob(["subject,exclude,why\n" + lines.join("\n") + "\n"], { type: "text/csv" }));
     link.download = "exclude.csv";

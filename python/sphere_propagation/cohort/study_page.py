@@ -20,7 +20,7 @@ import numpy as np
 from ..page import STYLE as PAGE_STYLE
 from ..version import version
 from ..views import chosen_phases
-from . import likeness, quality, store
+from . import likeness, quality, store, twins
 from .quality import MEASURES, Reference, Subject
 from .thumbnails import Studio, png, sheet
 
@@ -68,14 +68,17 @@ def write(folder: Path) -> int:
     """Both; returns how many subjects stand out."""
     plan = store.read_json(folder / "plan" / "report.json")
     settings = quality.checked(plan["parameters"]["quality"])
-    of_model = store.read_json(folder / "plan" / "model.json")["parameters"]
+    model = store.read_json(folder / "plan" / "model.json")
+    of_model, why = model["parameters"], plan.get("why", {})
     unit = of_model["unit"]
+    same = twins.found_in(folder, [chunk for chunk, _ in _chunks(folder)], model)
     subjects: List[Subject] = []
     curves: Dict[str, List[float]] = {}
     for chunk, records in _records(folder):
         for record, scored, excluded in records:
             unlike = likeness.left_out(record, of_model)
-            one = _subject(record, scored, chunk, excluded, unlike)
+            one = _subject(record, scored, chunk, excluded, unlike, same.get(record["subject"], ""))
+            one.why = why.get(one.name, "")
             subjects.append(one)
             if not record["failed"]:
                 curves[one.name] = quality.curve_of(record["volume"])
@@ -104,12 +107,17 @@ def write(folder: Path) -> int:
 Entry = Tuple[Mapping[str, Any], Optional[Mapping[str, Any]], bool]
 
 
+def _chunks(folder: Path) -> Iterator[Tuple[str, str]]:
+    """Chunk and block, in order."""
+    blocks = store.read_json(folder / "plan" / "chunks.json")["levels"][0]
+    return ((chunk, block) for block, chunk in quality.batches(blocks))
+
+
 def _records(folder: Path) -> Iterator[Tuple[str, List[Entry]]]:
     """By chunk: each subject's record, what the scores say of it, whether it is excluded."""
     excluded = set(store.read_json(folder / "plan" / "model.json").get("exclude", []))
-    blocks = store.read_json(folder / "plan" / "chunks.json")["levels"][0]
     last, scored = "", {}
-    for block, chunk in quality.batches(blocks):
+    for chunk, block in _chunks(folder):
         if block != last:
             last, path = block, folder / "scores" / f"{block}.json"
             entries = store.read_json(path)["subjects"] if path.is_file() else []
@@ -121,12 +129,13 @@ def _records(folder: Path) -> Iterator[Tuple[str, List[Entry]]]:
         )
 
 
-def _subject(record, scored, chunk: str, excluded: bool, unlike: str) -> Subject:
+def _subject(record, scored, chunk: str, excluded: bool, unlike: str, same: str) -> Subject:
+    """unlike: why it is left out; same: of whose files its own are copies."""
     one = Subject(record["subject"], chunk, "done")
     failed = record["failed"]
     if failed:
-        one.status = "failed"
-        one.score = float("inf")
+        one.status = "excluded" if excluded else "failed"
+        one.score = 0.0 if excluded else float("inf")
         one.reasons = [f"{failed['step']}: {failed['reason']}"]
         return one
     one.status = "excluded" if excluded else "left out" if unlike else "done"
@@ -139,8 +148,9 @@ def _subject(record, scored, chunk: str, excluded: bool, unlike: str) -> Subject
     wrong = quality.flipped(record)
     if wrong:
         one.score, one.reasons = float("inf"), wrong
-    if record.get("odd"):
-        one.reasons = [odd["text"] for odd in record["odd"]] + one.reasons
+    odd = [*filter(None, [likeness.words_of(record), same])]
+    if odd:
+        one.reasons = odd + one.reasons
         one.score = float("inf")
     return one
 
@@ -159,7 +169,7 @@ def _studio(folder: Path) -> Optional[Studio]:
 
 
 def _with_pictures(ordered: Sequence[Subject], most: int) -> List[Subject]:
-    return [one for one in ordered if one.status != "failed"][:most]
+    return [one for one in ordered if one.phases][:most]
 
 
 # ---------------------------------------------------------------- a subject's own report
@@ -173,7 +183,7 @@ def _write_chunk(folder, chunk, records, of, shown, studio, pictures, unit) -> N
         one = of[record["subject"]]
         parts.append(f'<h2 id="{html.escape(one.name, quote=True)}">{html.escape(one.name)}</h2>')
         parts.append(f"<p>{_said_of(one)}</p>")
-        if one.status != "failed":
+        if one.phases:
             if points is not None:
                 first = record["row"]
                 places = chosen_phases(one.phases, STRIP)
@@ -202,7 +212,7 @@ def _drop_old_pages(folder: Path, chunks) -> None:
 def _said_of(one: Subject) -> str:
     words = {
         "done": "",
-        "excluded": "Excluded from the model. ",
+        "excluded": f"Excluded from the model{f' ({one.why})' if one.why else ''}. ",
         "left out": "Left out of the model. ",
         "failed": "Could not be done. ",
     }
@@ -303,8 +313,8 @@ def _page(folder, ordered, references, settings, unit, middle, shown, ready, rem
 
 
 def _row(one: Subject, measures, references, shown) -> List[Any]:
-    """name, chunk, status, score, reasons, phases, picture, curve, figures, their z: study_page.js
-    has the same order."""
+    """name, chunk, status, score, reasons, phases, picture, curve, figures, their z, why it is
+    excluded: study_page.js has the same order."""
     figures = [_rounded(one.figures.get(m.name)) for m in measures]
     beyond = [
         round(references[m.name].z(m, one.figures[m.name]), 1)
@@ -325,6 +335,7 @@ def _row(one: Subject, measures, references, shown) -> List[Any]:
         curve,
         figures,
         beyond,
+        one.why,
     ]
 
 

@@ -15,7 +15,7 @@ from .. import attention, filters
 from ..explorer import explore
 from ..model import ShapeModel
 from ..model_files import MEASURED, name_arrays
-from . import atlas, likeness, merging, quality, spatial, store
+from . import atlas, likeness, merging, quality, spatial, store, twins
 from .columns import COLUMNS, FIT_COLUMNS
 from .landmarks import LANDMARKS
 from .plan import PLAN
@@ -28,7 +28,8 @@ TRAINING = 2000  # shapes whose scores the model's file has
 def run() -> int:
     """Writes the files; returns how many subjects are in the model."""
     plan = store.read_json(PLAN / "model.json")
-    table = list(rows_of_subjects(plan))
+    why = store.read_json(PLAN / "report.json")["why"]
+    table = list(rows_of_subjects(plan, why))
     store.write_text(Path("subjects.csv"), _as_csv(table))
     model = _model(plan)
     unit, cyclic = plan["parameters"]["unit"], False
@@ -38,28 +39,27 @@ def run() -> int:
     return sum(row["status"] == "done" for row in table)
 
 
-def rows_of_subjects(plan: Mapping[str, Any]) -> Iterator[Dict[str, Any]]:
-    """As subjects.csv has them, one chunk in memory at a time."""
-    excluded = set(plan["exclude"])
+def rows_of_subjects(plan: Mapping[str, Any], why: Mapping[str, str]) -> Iterator[Dict[str, Any]]:
+    """As subjects.csv has them, one chunk in memory at a time. why: whom somebody excluded."""
     blocks = merging.blocks_of(0)
+    same = twins.found_in(Path("."), [c for those in blocks.values() for c in those], plan)
     for block, chunks in blocks.items():
         scores = store.read_json(spatial.SCORES / f"{block}.json")["subjects"]
         in_model = {one["subject"]: one for one in scores}
         for chunk in chunks:
             for record in store.read_json(LANDMARKS / f"{chunk}.json")["subjects"]:
-                row = {**record["groups"], "subject": record["subject"], "chunk": chunk}
-                failed = record["failed"]
+                name, failed = record["subject"], record["failed"]
+                row = {**record["groups"], "subject": name, "chunk": chunk, "status": "done"}
                 if failed:
                     row.update(status="failed", step=failed["step"], reason=failed["reason"])
-                    yield row
-                    continue
-                unlike = likeness.left_out(record, plan["parameters"])
-                row["status"] = "done"
-                if record["subject"] in excluded:
-                    row["status"] = "excluded"
-                elif unlike:
-                    row.update(status="left out", step="model", reason=unlike)
-                row.update(_figures(record, in_model.get(record["subject"])))
+                else:
+                    odd = [likeness.words_of(record), same.get(name, "")]
+                    row["reason"] = "; ".join(filter(None, odd))
+                    if likeness.left_out(record, plan["parameters"]):
+                        row.update(status="left out", step="model")
+                    row.update(_figures(record, in_model.get(name)))
+                if name in why:
+                    row.update(status="excluded", why_excluded=why[name])
                 yield row
 
 
