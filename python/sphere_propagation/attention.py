@@ -5,6 +5,7 @@ at the line of the user's that called this package."""
 from __future__ import annotations
 
 import json
+import re
 import sys
 import warnings
 from contextlib import contextmanager
@@ -29,6 +30,10 @@ ALIKE = (
         "halfOfShapesLarger",
     },
 )
+FAR_ANCHOR = re.compile(
+    r'its anchor "(.*)" lies (\d[\d.]*(?:e[+-]?\d+)?|inf) edge lengths off,.*', re.S
+)
+NAMED_AT_MOST = 10
 KEY = "warnings"  # of what a filter returns (host/warnings.h)
 
 _collecting: ContextVar[Tuple[List[SpherePropagationWarning], ...]] = ContextVar(
@@ -61,7 +66,8 @@ def warnings_of(returned: Mapping[str, Any], notes: bool = False) -> List[Sphere
 def pass_on(returned: Dict[str, Any]) -> None:
     """Takes the warnings out of what a filter returned, and issues them; and notes that noting()
     asks for, each text once."""
-    for warning in map(_in_words_of_arrays, warnings_of(returned, notes=True)):
+    found = _without_repetition(warnings_of(returned, notes=True))
+    for warning in map(_in_words_of_arrays, found):
         if (
             warning.kind != "Note"
             or warning.message in _noted.get()
@@ -71,6 +77,38 @@ def pass_on(returned: Dict[str, Any]) -> None:
         ):
             warn(warning)
     returned.pop(KEY, None)
+
+
+def _without_repetition(found: List[SpherePropagationWarning]) -> List[SpherePropagationWarning]:
+    """With one warning a layer of anchors that lie off it, where the filter has one an anchor."""
+    of_layer: Dict[str, List[Tuple[str, ...]]] = {}
+    for warning in found:
+        parts = FAR_ANCHOR.fullmatch(warning.said) if warning.message == "anchorFarOff" else None
+        if parts:
+            of_layer.setdefault(warning.layer, []).append(parts.groups())
+    kept = []
+    for warning in found:
+        if warning.message != "anchorFarOff" or len(of_layer.get(warning.layer, ())) < 2:
+            kept.append(warning)
+        elif all(
+            other.layer != warning.layer or other.message != warning.message for other in kept
+        ):
+            far = of_layer[warning.layer]
+            names = ", ".join(name for name, _ in far[:NAMED_AT_MOST])
+            if len(far) > NAMED_AT_MOST:
+                names += f" and {len(far) - NAMED_AT_MOST} more"
+            low, high = (pick((edges for _, edges in far), key=float) for pick in (min, max))
+            kept.append(
+                SpherePropagationWarning(
+                    f"{warning.subject}: {len(far)} of its anchors ({names}) lie {low} to {high} "
+                    "edge lengths off, so they may be another layer's, in another frame or in "
+                    "another unit.",
+                    layers=warning.layers,
+                    message=warning.message,
+                    subject=warning.subject,
+                )
+            )
+    return kept
 
 
 def _in_words_of_arrays(warning: SpherePropagationWarning) -> SpherePropagationWarning:

@@ -330,7 +330,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
         value = real_number(name, getattr(parameters, name), finite=False)
         if not 0 <= value <= 1:
             raise InputError(f"{name} must lie between 0 and 1, not at {value}.")
-    anchors_of(parameters.anchors, count)
+    places, folder = anchors_of(parameters.anchors, count)
     sd = real_number("anchor_sd", parameters.anchor_sd, finite=False)
     if not 0 <= sd < np.inf:
         raise InputError(f"anchor_sd must be 0 or more, not {sd}.")
@@ -356,6 +356,9 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
             "anchor_snap makes anchors landmarks where frequency is a multiple of "
             f"{SNAP_FREQUENCY}, not {frequency}."
         )
+    for name in ("exact", "anchor_snap", "anchor_pose"):
+        if getattr(parameters, name) and not folder and not any(places or ()):
+            raise InputError(f"{name} needs anchors: give them, or leave it out.")
     return replace(parameters, root=root, frequency=frequency)
 
 

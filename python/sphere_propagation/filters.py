@@ -17,8 +17,8 @@ from typing import Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
-from . import adapters, layers, model_files, plugin
-from .errors import FilterError, InputError
+from . import adapters, anchor_files, attention, layers, model_files, plugin
+from .errors import FilterError, InputError, SpherePropagationWarning
 from .model import ShapeModel
 from .parameters import (
     DEFAULTS,
@@ -33,7 +33,15 @@ from .parameters import (
     whole_numbers,
 )
 from .sphere_map import MapLike, SphereMap, as_map
-from .surface import Surface, SurfaceLike, array_of, as_surface, as_surfaces, counted
+from .surface import (
+    Surface,
+    SurfaceLike,
+    array_of,
+    as_surface,
+    as_surfaces,
+    counted,
+    distinct_names,
+)
 
 ROOT = "compute_spherical_parameterisation_root"
 LOAD = "load_anchors_to_layers"
@@ -102,6 +110,11 @@ class AnchorFit:
     widening: np.ndarray
     landmarks: Optional[np.ndarray] = None
     places: Optional[np.ndarray] = None  # (surfaces, anchors, 3), where they lie
+
+    @property
+    def counts(self) -> np.ndarray:
+        """By anchor, how many surfaces have it."""
+        return np.isfinite(self.distance).sum(0)
 
     def of_surfaces(self) -> List[Dict[str, np.ndarray]]:
         """Per surface its anchors, name -> (x, y, z); reflected where the surface was."""
@@ -312,7 +325,9 @@ def parameterise_root(
     folder = str(anchors) if isinstance(anchors, (str, Path)) else ""
     meshes = layers.mesh_set([surface], anchors=[{} if folder else _places(0, anchors)])
     if folder and anchor_positions is not None:
-        layers.apply(meshes, LOAD, file_name=anchors_of(folder, 1)[1])
+        anchors_of(folder, 1)
+        anchor_files.require_points([anchor_files.file_in(folder, surface.name)])
+        layers.apply(meshes, LOAD, file_name=folder)
     with positions_file(anchor_positions) as positions:
         figures = layers.apply(
             meshes,
@@ -442,29 +457,33 @@ def propagate(
     if not isinstance(parents, str):
         parents = ", ".join(map(str, whole_numbers("parents", parents)))
     places, folder = anchors_of(anchors, len(surfaces))
+    if folder:
+        names = distinct_names(surfaces)
+        anchor_files.require_points(anchor_files.file_in(folder, name) for name in names)
     meshes = layers.mesh_set(surfaces, {root_layer: root_map}, places)
-    figures = layers.apply(
-        meshes,
-        PROPAGATE,
-        anchors="Off" if places is None and not folder else "Exact" if exact else "Soft",
-        anchor_files=folder,
-        anchor_sd=real_number("anchor_sd", anchor_sd),
-        anchor_snap=anchor_snap,
-        anchor_pose=anchor_pose,
-        root_layer=root_layer,
-        method=method,
-        order=order,
-        parents=parents,
-        area_restoration=area_restoration,
-        residual_quality=residual_quality,
-        uncertainty_quality=uncertainty_quality,
-        root_error_quality=root_error_quality,
-        mirror_layers=mirror_layers,
-        anisotropic_scaling=anisotropic_scaling,
-        icp_iterations=icp_iterations,
-        smoothing_sweeps=smoothing_sweeps,
-        threads=threads,
-    )
+    with attention.collected() as said:
+        figures = layers.apply(
+            meshes,
+            PROPAGATE,
+            anchors="Off" if places is None and not folder else "Exact" if exact else "Soft",
+            anchor_files=folder,
+            anchor_sd=real_number("anchor_sd", anchor_sd),
+            anchor_snap=anchor_snap,
+            anchor_pose=anchor_pose,
+            root_layer=root_layer,
+            method=method,
+            order=order,
+            parents=parents,
+            area_restoration=area_restoration,
+            residual_quality=residual_quality,
+            uncertainty_quality=uncertainty_quality,
+            root_error_quality=root_error_quality,
+            mirror_layers=mirror_layers,
+            anisotropic_scaling=anisotropic_scaling,
+            icp_iterations=icp_iterations,
+            smoothing_sweeps=smoothing_sweeps,
+            threads=threads,
+        )
     if len(figures["parent"]) != len(surfaces):
         others = layers.without_map(meshes)
         more = f" and {len(others) - LISTED} more" if len(others) > LISTED else ""
@@ -500,6 +519,9 @@ def propagate(
         if landmarks is not None:
             landmarks = landmarks.astype(int)
         fit = AnchorFit(names, **by_anchor, widening=widening, landmarks=landmarks, places=places)
+        _warn_of_lonely(fit, surfaces[root_layer].name)
+        if any(warning.message == "anchorsNotOnRoot" for warning in said):
+            _warn_of_foreign(fit, surfaces, root_layer, anchors)
     branches = figures.pop("branch_distance", None), figures.pop("branch_angle", None)
     as_mapped = [
         replace(layers.surface_of(meshes.mesh(i), surface.name), space=surface.space)
@@ -520,6 +542,50 @@ def propagate(
     )
 
 
+def _warn_of_lonely(fit: AnchorFit, root: str) -> None:
+    """Of the root's anchors those that no other surface has."""
+    lonely = [name for name, n in zip(fit.names, fit.counts) if n < 2]
+    if lonely:
+        attention.warn(
+            SpherePropagationWarning(
+                f"{root}: no other surface has its anchors {anchor_files.listed(lonely)}, so "
+                "nothing is made to correspond by them.",
+                root,
+                "anchorsOnRootAlone",
+            )
+        )
+
+
+def _warn_of_foreign(
+    fit: AnchorFit, surfaces: Sequence[Surface], root: int, anchors: Anchors
+) -> None:
+    """Which surfaces have anchors that the root lacks, and which of the root's they lack."""
+    places, folder = anchors_of(anchors, len(surfaces))
+    if folder:
+        with attention.silenced():
+            counts = layers.apply(layers.mesh_set(surfaces), LOAD, file_name=folder)["anchors"]
+    else:
+        counts = np.array([len(its) for its in places or ()])
+    has = np.isfinite(fit.distance)
+    if len(counts) != len(surfaces):
+        return
+    without: Dict[str, List[str]] = {}
+    for i in np.flatnonzero(counts > has.sum(1)):
+        missing = [name for name, there in zip(fit.names, has[i]) if not there]
+        without.setdefault(anchor_files.listed(missing), []).append(surfaces[i].name)
+    for missing, whose in without.items():
+        attention.warn(
+            SpherePropagationWarning(
+                f"{anchor_files.listed(whose)}: there are anchors that the root "
+                f"{surfaces[root].name} lacks; of the root's are missing: {missing or 'none'}. Is "
+                "a name misspelt?",
+                layers=whose,
+                message="anchorsOfOtherNames",
+                subject=anchor_files.listed(whose),
+            )
+        )
+
+
 def anchors_of(anchors: Anchors, count: int):
     """Per surface its anchors, None where there are none at all; and the folder of files, if it is
     one that was given."""
@@ -528,6 +594,7 @@ def anchors_of(anchors: Anchors, count: int):
     if isinstance(anchors, (str, Path)):
         if not Path(anchors).is_dir():
             raise InputError(f"anchors: {anchors} is no folder.")
+        anchor_files.require_readable(anchors)
         return None, str(anchors)
     given = listed("anchors", anchors)
     if len(given) != count:

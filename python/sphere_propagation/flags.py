@@ -9,7 +9,10 @@ import re
 # left alone, since they are words.
 PARAMETERS = (
     "align_slices",
+    "anchor_pose",
+    "anchor_positions",
     "anchor_sd",
+    "anchor_snap",
     "area_restoration",
     "area_weight",
     "file_series",
@@ -35,6 +38,7 @@ WORDS = (
     "smoothing",
     "unit",
 )
+OTHERWISE = {"exact": "--exact-anchors"}  # what the command calls by a word of its own
 CALLS = {
     "sp.prepare(surface, remove_handles=True)": "run --prepare --remove-handles",
     "sp.prepare(surface)": "run --prepare",
@@ -63,6 +67,11 @@ def by_flags(text: str) -> str:
     for call, flags in CALLS.items():
         text = text.replace(call, flags)
     text = _word.sub(r"--\1", text)
+    text = re.sub(
+        r"^(exact|anchor_\w+) needs anchors: give them",
+        lambda found: f"{OTHERWISE.get(found[1], option(found[1]))} needs --anchors: give them",
+        text,
+    )
     text = re.sub(r"^(Layer -?\d+ cannot be the root): parents say", r"\1: --parents say", text)
     text = re.sub(r"^(Layer -?\d+ cannot be the root):", r"\1 (--root):", text)
     text = re.sub(

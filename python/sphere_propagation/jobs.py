@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, 
 
 import numpy as np
 
-from . import attention, files, filters, gallery, pictures, plugin, projects, report
+from . import anchor_files, attention, files, filters, gallery, pictures, plugin, projects, report
 from .adapters import is_path
 from .attention import warn
 from .correspondence import Correspondence, checked, correspond_by
@@ -177,8 +177,11 @@ def _run_files(
         f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
         f"{sum(len(surface.vertices) for surface in surfaces)} vertices"
     )
+    if is_path(choices.parameters.anchors):
+        anchor_files.warn_of_folder(choices.parameters.anchors, distinct_names(surfaces))
     results = ResultFolder(folder)
     results.create()  # before the work, not after
+    _note_anchors_beside(paths, choices, steps)
     labels = all(map(files.is_label_volume, paths))
     if choices.unit is None and not labels:
         steps.note(f"the meshes' unit is taken to be {DEFAULT_UNIT}: --unit says another one")
@@ -203,6 +206,18 @@ def _run_files(
     return _finish(results, title, text, [section], choices, steps, made)
 
 
+def _note_anchors_beside(paths: Sequence[Path], choices: Choices, steps: Lines) -> None:
+    """MeshLab's filter heeds them; here nobody has asked for them."""
+    if choices.parameters.anchors is not None:
+        return
+    found = anchor_files.beside(paths, list(map(files.stem_of, paths)))
+    if found:
+        steps.note(
+            f"anchors that lie beside the surfaces are heeded where --anchors {found[0].parent} "
+            f"says so: {anchor_files.listed([path.name for path in found])}"
+        )
+
+
 def _where(paths: Sequence[Path], names: Sequence[str]) -> str:
     """From which files; names: what their surfaces are called."""
     folders = len({path.parent for path in paths})
@@ -218,8 +233,9 @@ def _anchors(found: Optional[filters.AnchorFit], parameters: CorrespondenceParam
         return "none"
     how = "exact" if parameters.exact else "soft"
     if found.landmarks is None:
-        return f"{', '.join(found.names)} ({how})"
-    names = (f"{name} landmark {j}" for name, j in zip(found.names, found.landmarks))
+        shared = [name for name, n in zip(found.names, found.counts) if n > 1]
+        return f"{', '.join(shared)} ({how})" if shared else "none that two surfaces have"
+    names = [f"{name} landmark {j}" for name, j in zip(found.names, found.landmarks)]
     return f"{', '.join(names)} ({how})"
 
 

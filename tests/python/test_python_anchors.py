@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """Points of the user's own, as dictionaries and as files."""
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import sphere_propagation as sp
@@ -154,3 +158,144 @@ def test_the_command_aligns_by_anchors(surfaces, tmp_path, capsys):
     assert "--alignment" in capsys.readouterr().err
     by += ["--anchors", tmp_path / "anchors", "--anchor-pose"]
     assert command.main([str(x) for x in [*words, *by]]) == 0
+
+
+def row(name, place):
+    return f"{name},{','.join(map(repr, map(float, place)))}\n"
+
+
+@pytest.fixture
+def beating(surfaces, tmp_path):
+    """Three meshes phase_0 ... and a folder with their anchors."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "anchors").mkdir()
+    for i, surface in enumerate(surfaces):
+        files.write_ply(tmp_path / f"meshes/phase_{i}.ply", surface.vertices, surface.faces)
+        rows = [row(name, place) for name, place in anchors_of(surface).items()]
+        (tmp_path / f"anchors/phase_{i}.csv").write_text("".join(rows))
+    return tmp_path
+
+
+@pytest.fixture
+def run(beating, capsys):
+    def call(*words, by=("--anchors", "anchors")):
+        folder = [beating / word if word == "anchors" else word for word in by]
+        given = ["run", beating / "meshes", "-o", beating / "out", "--no-pictures", *folder]
+        given += ["--frequency", 2, "--root", 0, *words]
+        code = command.main(list(map(str, given)))
+        said = capsys.readouterr()
+        return code, said.out, " ".join(said.err.split())
+
+    return call
+
+
+def of_run(folder):
+    return json.loads((folder / "out/run.json").read_text())["anchors"]
+
+
+def test_what_a_folder_of_anchors_lacks_is_said(beating, run):
+    (beating / "anchors/phase_2.csv").rename(beating / "anchors/phase2.csv")
+    (beating / "anchors/notes.md").write_text("no anchors")
+    code, _, said = run("--exact-anchors")
+    assert code == 0 and of_run(beating) == "apex, left side (exact)"
+    assert "has no file for phase_2: it is taken without anchors" in said
+    assert "files that belong to no surface, as they are called otherwise: phase2.csv." in said
+    assert "nothing is made to correspond" not in said
+    # On one surface alone they do nothing.
+    for path in ("phase_1.csv", "phase2.csv"):
+        (beating / "anchors" / path).unlink()
+    code, _, said = run("--exact-anchors")
+    assert code == 0 and of_run(beating) == "none that two surfaces have"
+    assert "has no file for phase_1, phase_2: they are taken" in said
+    assert "phase_0: no other surface has its anchors apex, left side, so nothing" in said
+
+
+def test_a_folder_that_serves_other_runs_too_is_a_note(beating, run):
+    (beating / "anchors/phase_7.csv").write_text("apex,1,2,3\n")
+    code, _, said = run()
+    assert code == 0 and said.startswith("Note: The folder of anchors")
+    assert "called otherwise: phase_7.csv" in said and "warning" not in said
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("phase_1.csv", ""),
+        ("phase_1.csv", "# of nobody\nname,x,y,z\n"),
+        ("phase_1_picked_points.pp", " \n"),
+        ("phase_1.mrk.json", ""),
+    ],
+)
+def test_a_file_without_a_point_is_an_error(surfaces, beating, run, name, text):
+    (beating / "anchors/phase_1.csv").unlink()
+    (beating / "anchors" / name).write_text(text)
+    code, _, said = run()
+    assert code == 1 and f"{name} holds no anchor" in said
+    meshes = sp.read_meshes(beating / "meshes")
+    with pytest.raises(sp.FileError, match="holds no anchor"):
+        sp.correspond(meshes, anchors=beating / "anchors", frequency=2)
+
+
+def test_points_without_a_place_are_no_error(beating, run):
+    (beating / "anchors/phase_1.csv").write_text("apex,,,\nleft side,nan,nan,nan\n")
+    assert run()[0] == 0
+
+
+@pytest.mark.parametrize("flag", ["--exact-anchors", "--anchor-snap", "--anchor-pose"])
+def test_what_needs_anchors_is_refused_without(surfaces, run, flag):
+    frequency = ("--frequency", 10)
+    code, _, said = run(flag, *frequency, by=())
+    assert code == 2 and f"error: {flag} needs --anchors: give them, or leave it out." in said
+    name = flag[2:].replace("-", "_").replace("exact_anchors", "exact")
+    for none in (None, [None] * 3, [{}] * 3):
+        with pytest.raises(sp.InputError, match=f"{name} needs anchors"):
+            sp.correspond(surfaces, anchors=none, frequency=10, **{name: True})
+
+
+def test_anchors_beside_meshes_are_noted(beating, run):
+    (beating / "meshes/phase_1.fcsv").write_text("a,1,2,3\n")
+    code, said, _ = run(by=())
+    assert code == 0 and of_run(beating) == "none"
+    assert f"--anchors {beating / 'meshes'} says so: phase_1.fcsv" in " ".join(said.split())
+    assert "lie beside" not in run()[1]
+
+
+def test_a_folder_of_anchors_that_cannot_be_read_is_said(beating, run, monkeypatch):
+    def refuse(self):
+        if self.name == "anchors":
+            raise PermissionError(13, "Permission denied", str(self))
+        return listing(self)
+
+    listing = Path.iterdir
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    code, _, said = run()
+    assert code == 1 and "anchors cannot be read: Permission denied" in said
+
+
+def test_a_misspelt_anchor_is_named_with_its_surface(surfaces, beating, run):
+    file = beating / "anchors/phase_2.csv"
+    file.write_text(file.read_text().replace("apex", "apexx"))
+    words = "there are anchors that the root {} lacks; of the root's are missing: apex. Is a name "
+    words += "misspelt?"
+    said = run()[2]
+    assert "phase_2: " + words.format("phase_0") in said and 'the anchors "apexx" of' in said
+    anchors = [anchors_of(surface) for surface in surfaces]
+    anchors[2]["apexx"] = anchors[2].pop("apex")
+    with pytest.warns(sp.SpherePropagationWarning) as warned:
+        sp.correspond(surfaces, anchors=anchors, root=0, frequency=2)
+    found = [w.message for w in warned if w.message.message == "anchorsOfOtherNames"]
+    assert len(found) == 1 and found[0].layer == surfaces[2].name
+    assert str(found[0]).endswith(words.format(surfaces[0].name))
+
+
+def test_anchors_off_their_surface_are_one_warning_a_surface(surfaces, beating, run):
+    """As those of a file in LPS that does not say so."""
+    far = {name: place * [-1, -1, 1] + 300 for name, place in anchors_of(surfaces[1]).items()}
+    (beating / "anchors/phase_1.csv").write_text("".join(row(*one) for one in far.items()))
+    said = run()[2]
+    words = r"phase_1: 2 of its anchors \(apex, left side\) lie [\d.]+ to [\d.]+ edge lengths off, "
+    assert len(re.findall(words + "so they may be another layer's", said)) == 1
+    assert said.count("edge lengths off") == 1
+    file = beating / "anchors/phase_1.csv"
+    file.write_text(file.read_text().splitlines()[0] + "\n")
+    assert 'phase_1: its anchor "apex" lies' in run()[2]
