@@ -76,8 +76,6 @@ def warn_of_folder(folder, names: Sequence[str]) -> None:
     where each surface has one that is a note, since folders may serve many runs."""
     there = require_readable(folder)
     without = [name for name in names if file_in(folder, name) is None]
-    if len(without) == len(names):
-        return  # an error of the filter's
     if without:
         warn(
             SpherePropagationWarning(

@@ -194,7 +194,7 @@ def _explore(options, make_progress) -> int:
 
 
 def _fit(options, make_progress) -> int:
-    files = fitting.fit_files(
+    files, failed = fitting.fit_files(
         options.model,
         options.surfaces,
         options.output,
@@ -211,7 +211,11 @@ def _fit(options, make_progress) -> int:
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
         print(f"  {what}")
-    return 0
+    for text in dict.fromkeys(failed.values()):
+        print(f"error: {text}", file=sys.stderr)
+    if failed:
+        print(f"not fitted: {', '.join(failed)}", file=sys.stderr)
+    return int(bool(failed))
 
 
 def _morph(options, make_progress) -> int:
@@ -225,6 +229,7 @@ def _morph(options, make_progress) -> int:
         frequency=options.frequency,
         along=options.along,
         closed=options.closed,
+        mirror_layers=options.mirror_layers,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
@@ -654,6 +659,11 @@ def parser() -> argparse.ArgumentParser:
     )
     morph.add_argument(
         "--closed", action="store_true", help="from the last back to the first as well"
+    )
+    morph.add_argument(
+        "--mirror-layers",
+        action="store_true",
+        help="reflect a mesh that is a mirror image of the others, a left bone among right ones",
     )
     morph.set_defaults(action=_morph)
 

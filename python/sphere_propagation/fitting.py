@@ -9,13 +9,26 @@ import tempfile
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import (
+    Callable,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 import numpy as np
 
-from . import adapters, attention, files, filters, layers
-from .errors import InputError
+from . import adapters, anchor_files, attention, files, filters, layers
+from .anchor_files import ENDINGS
+from .errors import FileError, FilterError, InputError
 from .files import write_ply
+from .flags import by_flags
 from .model import ShapeModel
 from .model_files import beside, checked_names, name_arrays, read_model
 from .parameters import NAMED, path_of, whole_number
@@ -27,8 +40,7 @@ from .units import DEFAULT_UNIT, unit_named
 FIT = "compute_shape_model_fit"
 POSES = NAMED["pose"]
 SIZES = ("As the model", "Rigid", "Similarity")
-# In a folder, the first that is there (vcg_ext/anchors/anchor_file.h).
-ANCHOR_FILES = ("_picked_points.pp", ".mrk.json", ".csv", ".fcsv", ".pp", ".json", ".tsv", ".txt")
+ANCHOR_FILES = ENDINGS[:8]  # but for those that are meshes and particles elsewhere
 NAMED_AT_MOST = 10
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean")
 
@@ -205,33 +217,48 @@ def fit_files(
     anchors="",
     unit=None,
     **choices,
-) -> List[str]:
+) -> Tuple[List[str], Dict[str, str]]:
     """fit() for files, or folders of them, meshes and label volumes, each phase of these:
     NAME_fit.ply (quality: sd), NAME_fit.npz, and fits.csv with a row each. anchors: a file of them,
     or a folder with files that are called as the surfaces are. unit: of lengths (default: what
     landmarks.npz beside the model says, else mm). choices: of the filter; words may have hyphens.
-    Returns what lies in the folder."""
+    Returns what lies in the folder, and of surfaces that cannot be fitted, why."""
     unit = unit_named(unit or beside(Path(model))[1] or DEFAULT_UNIT)
     for key in ("pose", "alignment"):
         words = (
             value for value in (*POSES, *SIZES) if value.lower().replace(" ", "-") == choices[key]
         )
         choices[key] = next(words, choices[key])
+    if choices["pose"] == "Anchors" and not anchors:
+        raise InputError("pose: 'Anchors' needs anchors.")
+    if anchors and not path_of(anchors).exists():
+        raise InputError(f"anchors: there is no file or folder {anchors}.")
     paths = files.input_files(*surfaces)
     require_apart([model, *([anchors] if anchors else []), *paths], folder)
     results = ResultFolder(folder)
     results.require_folder()
-    found = list(_surfaces_of(paths, label))
-    files.warn_of_frames(found)
+    found, failed = _surfaces_of(paths, label)
+    files.warn_of_frames([surface for _, surface in found if surface])
+    if anchors and path_of(anchors).is_dir():
+        anchor_files.warn_of_folder(anchors, [name for name, surface in found if surface])
     names = ("surface_distance", "noise", "deviation", "percentile", "unseen", "unexplained")
     with _prepared(model) as prepared:
         results.create()
         modes = range(len(prepared.shapes.modes))
         scores = [f"score_{m + 1}" for m in modes]
-        rows = [["surface", *names, "map", "unit", "warnings", *scores]]
-        for surface in found:
-            its = {**choices, "anchors": _anchors_of(anchors, surface.name)}
-            rows.append(_fit_file(prepared, surface, results, say, names, unit, its))
+        rows = [["surface", *names, "map", "unit", "warnings", "error", *scores]]
+        for name, surface in found:
+            try:
+                if surface is not None:
+                    its = {**choices, "anchors": _anchors_of(anchors, name, choices["pose"])}
+                    rows.append(_fit_file(prepared, surface, results, say, names, unit, its))
+                    continue
+            except (FileError, FilterError, InputError) as error:
+                failed[name] = str(error)
+            failed[name] = by_flags(failed[name])
+            say(f"{name}: not fitted")
+            blank = [""] * len(scores)
+            rows.append([name, *[""] * len(names), "", unit, "", failed[name], *blank])
     results.write("fits.csv", lambda path: _write_table(path, rows))
     warned = [row[0] for row in rows[1:] if row[rows[0].index("warnings")]]
     if warned:
@@ -240,11 +267,12 @@ def fit_files(
             f"warnings say: {', '.join(warned[:NAMED_AT_MOST])}"
             + (" and others" if len(warned) > NAMED_AT_MOST else "")
         )
-    return [
+    made = [
         "fits.csv: a row for each surface: distance, deviation, warnings, scores",
         "*_fit.ply, *_fit.npz: the fitted shapes with the standard deviation of each landmark",
         "the surfaces themselves, as *.ply with their maps, where they are closed",
     ]
+    return made[: 1 if len(failed) == len(found) else 3], failed
 
 
 def _fit_file(
@@ -290,34 +318,50 @@ def _fit_file(
         *(f"{value:.9g}" for value in values),
         unit,
         " ".join(sorted({warning.message or "other" for warning in said})),
+        "",
         *(f"{score:.9g}" for score in got.scores),
     ]
 
 
-def _anchors_of(given, name: str) -> Optional[Path]:
+def _anchors_of(given, name: str, pose: str) -> Optional[Path]:
     """The file of this surface; none where the folder has none."""
     if not given:
         return None
     given = path_of(given)
-    if not given.is_dir():
-        return given
-    files_of_it = (given / f"{name}{ending}" for ending in ANCHOR_FILES)
-    return next((file for file in files_of_it if file.is_file()), None)
+    file = anchor_files.file_in(given, name) if given.is_dir() else given
+    if file is None and pose == "Anchors":
+        raise InputError(
+            f"{name}: its pose is to be that of its anchors, and there is no file of them: none of "
+            f"{anchor_files.looked_for(given, name)}."
+        )
+    return file
 
 
-def _surfaces_of(paths: Sequence[Path], label) -> Iterator[Surface]:
-    """Those in the files, one after the other, by names that differ."""
+def _surfaces_of(
+    paths: Sequence[Path], label
+) -> Tuple[List[Tuple[str, Optional[Surface]]], Dict[str, str]]:
+    """Those in the files by names that differ, None where one cannot be read; and why it cannot."""
+    found: List[Tuple[str, Optional[Surface]]] = []
+    failed: Dict[str, str] = {}
     for path, name in zip(paths, files.names_of(paths)):
-        if not files.is_label_volume(path):
-            yield replace(files.read_mesh(path), name=name)
-            continue
-        stem = files.stem_of(path)
-        found = filters.read_label_volume(path, labels=label).surfaces
-        for surface in found:
-            called = surface.name
-            if called.startswith(stem):
-                called = name + called[len(stem) :]
-            yield replace(surface, name=called if len(found) > 1 else name)
+        try:
+            found += [(surface.name, surface) for surface in _surfaces_in(path, name, label)]
+        except (FileError, FilterError, InputError) as error:
+            found.append((name, None))
+            failed[name] = str(error)
+    return found, failed
+
+
+def _surfaces_in(path: Path, name: str, label) -> List[Surface]:
+    if not files.is_label_volume(path):
+        return [replace(files.read_mesh(path), name=name)]
+    stem = files.stem_of(path)
+    found = filters.read_label_volume(path, labels=label).surfaces
+    names = [surface.name for surface in found]
+    if len(found) == 1:
+        return [replace(found[0], name=name)]
+    names = [name + called[len(stem) :] if called.startswith(stem) else called for called in names]
+    return [replace(surface, name=called) for surface, called in zip(found, names)]
 
 
 def _write_table(path: Path, rows: List[List[str]]) -> None:
@@ -330,6 +374,7 @@ def _anchor_file(folder: Path, anchors: Optional[Anchors], shapes: ShapeModel) -
     if not anchors:
         return ""
     if adapters.is_path(anchors):
+        anchor_files.require_points([path_of(anchors)])
         return str(path_of(anchors))
     count = len(shapes.mean)
     if not isinstance(anchors, Mapping):

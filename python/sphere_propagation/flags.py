@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import re
 
+from .errors import FOR_ARRAYS
+
 # Parameters of the filters that the command has as options, --mirror-layers; those of one word are
 # left alone, since they are words.
 PARAMETERS = (
@@ -34,6 +36,7 @@ WORDS = (
     "order",
     "parents",
     "phases",
+    "pose",
     "seed",
     "smoothing",
     "unit",
@@ -43,8 +46,25 @@ CALLS = {
     "sp.prepare(surface, remove_handles=True)": "run --prepare --remove-handles",
     "sp.prepare(surface)": "run --prepare",
     # What is on anyway.
+    "Keep both by keep_largest_component=False, or prepare": "Prepare",
     ", or keep both by keep_largest_component=False": "",
     ", or keep all sheets by remove_fins=False": "",
+}
+# What to do about a fault (errors.FOR_ARRAYS), where our advice there is code.
+ADVICE = {
+    "Empty": "Give a closed triangle mesh, or leave the file out.",
+    "NonFiniteCoordinate": "run --prepare drops them and closes what opens; whatever wrote them "
+    "went wrong.",
+    "IndexOutOfRange": "The file is damaged: write it again.",
+    "DegenerateFace": "run --prepare leaves them out.",
+    "NotClosed": "run --prepare closes it by lids that are marked.",
+    "NotWelded": ": unify them by run --prepare, which also closes what is still open.",
+    "UnreferencedVertex": "run --prepare leaves them out.",
+    "SeveralParts": "run --prepare keeps the largest. Where another one is meant, make it a file "
+    "of its own.",
+    "InwardOrientation": "run --prepare turns them round.",
+    "NoValidMap": ": make its triangles more even, as MeshLab's isotropic explicit remeshing does.",
+    "NonFiniteLandmark": "Leave the shape out, or make its landmarks again.",
 }
 # Not within paths; the label that dialogs have may follow.
 _parameter = re.compile(
@@ -64,6 +84,8 @@ def option(name: str) -> str:
 def by_flags(text: str) -> str:
     """With --mirror-layers in place of mirror_layers ("Mirror layers"), and the command's way to
     prepare a mesh in place of Python's."""
+    for fault, advice in ADVICE.items():
+        text = text.replace(FOR_ARRAYS[fault][1], advice)
     for call, flags in CALLS.items():
         text = text.replace(call, flags)
     text = _word.sub(r"--\1", text)

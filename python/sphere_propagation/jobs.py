@@ -177,8 +177,9 @@ def _run_files(
         f"{len(surfaces)} {'mesh' if len(surfaces) == 1 else 'meshes'}: {where}, "
         f"{sum(len(surface.vertices) for surface in surfaces)} vertices"
     )
-    if is_path(choices.parameters.anchors):
-        anchor_files.warn_of_folder(choices.parameters.anchors, distinct_names(surfaces))
+    anchors, called = choices.parameters.anchors, distinct_names(surfaces)
+    if is_path(anchors) and any(anchor_files.file_in(anchors, name) for name in called):
+        anchor_files.warn_of_folder(anchors, called)  # else the filter refuses
     results = ResultFolder(folder)
     results.create()  # before the work, not after
     _note_anchors_beside(paths, choices, steps)

@@ -166,7 +166,14 @@ def morph(
     )
 
 
-def morph_files(surfaces, folder, say: Callable[[str], None], order: str, **choices) -> List[str]:
+def morph_files(
+    surfaces,
+    folder,
+    say: Callable[[str], None],
+    order: str,
+    mirror_layers: bool = False,
+    **choices,
+) -> List[str]:
     """morph() for files, or folders of them, propagated before: the shapes as PLY files and, where
     pictures can be drawn, morph.gif. Returns what lies in the folder."""
     paths = mesh_files(*surfaces)
@@ -177,7 +184,7 @@ def morph_files(surfaces, folder, say: Callable[[str], None], order: str, **choi
     results.require_folder()
     found = read_meshes(*paths)
     results.create()
-    result = correspond(found, order=order)
+    result = correspond(found, order=order, mirror_layers=mirror_layers)
     between = morph(result.surfaces, result.maps, **choices)
     for number, (surface, sphere) in enumerate(zip(between.surfaces, between.maps)):
         results.write(

@@ -15,8 +15,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 import sphere_propagation as sp
-from sphere_propagation import command, files, flags, model_pictures, pictures, plugin, progress
+from sphere_propagation import (
+    command,
+    errors,
+    files,
+    flags,
+    model_pictures,
+    pictures,
+    plugin,
+    progress,
+)
+from sphere_propagation.surface import as_surface
 
 PYTHON = Path(__file__).resolve().parents[2] / "python"
 FRAME = r'<iframe [^>]*data-page="([^"]+)"'  # the report's explorer
@@ -603,6 +614,12 @@ def test_a_mirrored_mesh_gets_advice_in_the_commands_words(cycle, tmp_path, caps
     assert "--mirror-layers reflects it" in said and "mirror_layers" not in said
     texts = [row["text"] for row in warned(out) if row["message"] == "mirrorImage"]
     assert len(texts) == 1 and "--mirror-layers reflects" in texts[0]
+    # Which morph has as well.
+    words = ["morph", folder, "-o", tmp_path / "between", "--steps", 1, "--frequency", 2]
+    assert run(*words) == 0 and "--mirror-layers reflects it" in capsys.readouterr().err
+    assert run(*words, "--mirror-layers") == 0
+    said = capsys.readouterr().err
+    assert "--mirror-layers reflects it" not in said and "reflected" in said
 
 
 def test_an_open_mesh_is_prepared_on_request(heart, tmp_path, capsys):
@@ -704,3 +721,30 @@ def test_an_output_that_cannot_be_written_is_found_before_the_work(
         assert f"Nothing can be written to {tmp_path / 'locked'}" in capsys.readouterr().err
     assert run("explore", model, "-o", tmp_path / "none" / "page.html") == 1
     assert "There is no folder" in capsys.readouterr().err
+
+
+def test_advice_of_the_command_is_no_code():
+    advice = [*errors.FOR_ARRAYS.values(), *errors.MESSAGES_FOR_ARRAYS.values()]
+    for text in (flags.by_flags(ours) for _, ours in advice):
+        assert not re.search(r"\[|\bnp\.|\bsp\.|pymeshlab|scipy|=True|=False", text), text
+
+
+def test_what_the_command_advises_helps():
+    """Of faults that it has words of its own for."""
+    sphere = as_surface(pyvista.Sphere(theta_resolution=12, phi_resolution=12))
+    vertices, faces = sphere.vertices, sphere.faces
+    bare = vertices.copy()
+    bare[50] = np.nan
+    for v, f in (
+        (vertices, faces[:, ::-1]),
+        (bare, faces),
+        (np.r_[vertices, [[5, 5, 5]]], faces),
+        (vertices, np.r_[faces, [[1, 1, 2]]]),
+        (vertices, faces[:-1]),
+        (vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)),
+        (np.r_[vertices, 0.1 * vertices + 3], np.r_[faces, faces + len(vertices)]),
+    ):
+        with pytest.raises(sp.FilterError) as refused:
+            sp.parameterise_root(sp.Surface(v, f))
+        assert "run --prepare" in flags.by_flags(str(refused.value))
+        sp.parameterise_root(sp.prepare(sp.Surface(v, f)).surface)

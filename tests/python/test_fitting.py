@@ -2,6 +2,7 @@
 """sp.fit and `sphere-propagation fit`: a model on a surface that it was not built from."""
 
 import csv
+from pathlib import Path
 
 import nibabel
 import numpy as np
@@ -229,3 +230,60 @@ def test_a_label_volume_is_a_surface(cycle, model, tmp_path, capsys, monkeypatch
 def test_choices_are_spelt_as_the_filter_has_them():
     assert fitting.POSES == ("Search", "As it lies", "Anchors")
     assert fitting.SIZES == ("As the model", "Rigid", "Similarity")
+
+
+@pytest.fixture
+def here(cycle, tmp_path, monkeypatch):
+    """A folder with m.npz, p0.ply and p1.ply, to work in."""
+    monkeypatch.chdir(tmp_path)
+    sp.shape_model(cycle.landmarks, cycle.landmark_faces, alignment="Rigid", export_file="m.npz")
+    for k in (0, 1):
+        surface = cycle.surfaces[k]
+        sp.write_ply(tmp_path / f"p{k}.ply", surface.vertices, surface.faces)
+    return tmp_path
+
+
+def test_the_command_goes_on_after_what_cannot_be_fitted(cycle, here, capsys):
+    inside = cycle.surfaces[2]
+    sp.write_ply("inside.ply", inside.vertices, inside.faces[:, ::-1])
+    Path("text.ply").write_text("no mesh")
+    assert command.main(["fit", "m.npz", "p0.ply", "inside.ply", "text.ply", "p1.ply"]) == 1
+    said = capsys.readouterr()
+    assert "p0: " in said.out and "p1: " in said.out and "inside: not fitted" in said.out
+    assert "text.ply cannot be read" in said.err and "run --prepare turns them round" in said.err
+    assert "faces[" not in said.err and "not fitted: text, inside" in said.err
+    with open("fit/fits.csv", newline="") as file:
+        rows = {row["surface"]: row for row in csv.DictReader(file)}
+    assert list(rows) == ["p0", "inside", "text", "p1"]
+    assert all((row["error"] == "") == (name[0] == "p") for name, row in rows.items())
+    assert "run --prepare" in rows["inside"]["error"] and rows["inside"]["deviation"] == ""
+    assert Path("fit/p1_fit.npz").exists() and not Path("fit/inside_fit.npz").exists()
+    assert command.main(["fit", "m.npz", "inside.ply", "-o", "other"]) == 1
+    assert "fit.npz" not in capsys.readouterr().out and Path("other/fits.csv").exists()
+
+
+def test_the_command_names_anchors_that_are_not_there(cycle, here, capsys):
+    points = [cycle.landmarks[0][j] for j in (0, 5, 9)]
+    rows = [f"{j},{x},{y},{z}" for j, (x, y, z) in zip((0, 5, 9), points)]
+    Path("anchors").mkdir()
+    Path("anchors/p0.csv").write_text("\n".join(rows))
+    Path("anchors/P1.csv").write_text("\n".join(rows))
+    by = ["fit", "m.npz", "p0.ply", "p1.ply", "--anchors", "anchors"]
+    assert command.main(by) == 0
+    said = capsys.readouterr().err
+    assert "has no file for p1: it is taken without" in said and "otherwise: P1.csv" in said
+    assert command.main([*by, "--pose", "anchors"]) == 1
+    said = capsys.readouterr()
+    assert (
+        "p1: its pose is to be" in said.err and "none of anchors/p1_picked_points.pp, " in said.err
+    )
+    assert "p0: " in said.out and "p1: not fitted" in said.out
+    Path("anchors/p0.csv").write_text("")
+    assert command.main(by) == 1
+    assert "p0.csv holds no anchor" in capsys.readouterr().err
+    for words, text in (
+        (["--anchors", "none"], "--anchors: there is no file or folder none"),
+        (["--pose", "anchors"], "--pose: 'Anchors' needs anchors"),
+    ):
+        assert command.main(["fit", "m.npz", "p0.ply", *words]) == 2
+        assert text in capsys.readouterr().err
