@@ -4,6 +4,7 @@ again."""
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -60,7 +61,7 @@ def until(condition, seconds=120):
 
 def test_a_study_from_files_to_models(study):
     folder, _, said = study
-    assert "4 subjects in 4 chunks, 2 in the atlas" in said
+    assert "4 subjects in 4 chunks, up to 2 in the atlas" in said
     assert "2 subjects done, 6 surfaces; 2 failed" in said
     assert "sub-90 (import):" in said and "subjects.csv" in said
     model = sp.read_model(folder / "out/model/model.npz")
@@ -122,6 +123,25 @@ def test_a_result_that_was_deleted_is_made_again(study, name):
     assert "everything is there" in run(*words, "--dry-run")
 
 
+def test_results_that_are_cut_off_are_made_again(study, tmp_path):
+    """As copies of a study and full disks leave them; a dry run changes nothing."""
+    out = tmp_path / "out"
+    shutil.copytree(study[0] / "out", out)
+    words = (study[0] / "in", out, *study[1][2:])
+    before = results(out)
+    cut, empty = out / "surfaces/00000.npz", out / "landmarks/00001.json"
+    whole = cut.read_bytes()
+    cut.write_bytes(whole[: len(whole) // 2])
+    (out / "landmarks/00000.npy").write_bytes(b"")
+    empty.write_bytes(b"")
+    says = "3 files of this study that cannot be read, since cut off, are made again where needed: "
+    dry = run(*words, "--dry-run")
+    assert says + "surfaces/00000.npz, landmarks/00000.npy, landmarks/00001.json" in dry
+    assert "import: 1\n" in dry and "landmarks: " in dry and not empty.stat().st_size
+    assert says in run(*words, "--cores", 2, code=3)
+    assert results(out) == before
+
+
 def test_a_study_does_not_become_that_of_one_subject(study):
     folder, words, _ = study
     name = sorted(path.name for path in (folder / "in").iterdir())[0]
@@ -174,6 +194,8 @@ def test_what_is_wrong_is_said_before_anything_runs(study, tmp_path):
     )
     assert "'frequncy'" in said and "is 'frequency' meant" in said
     assert not (tmp_path / "out").exists()
+    none = run(folder / "in", tmp_path / "out", "group", "--config", "nosuch.toml", code=2)
+    assert "--config: there is no file nosuch.toml" in none
     assert "choose a new folder" in run(folder / "in", tmp_path, "group", code=2)
     assert "lies in the output" in run(folder / "in", folder / "in", "group", code=2)
     assert "--cores" in run(folder / "in", tmp_path / "out", "group", "--cores", 0, code=2)

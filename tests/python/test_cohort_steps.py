@@ -18,8 +18,10 @@ from sphere_propagation.cohort import (
     atlas,
     cycles,
     importing,
+    landmarks,
     likeness,
     merging,
+    steps,
     store,
     wording,
     worker,
@@ -173,6 +175,34 @@ def test_who_is_not_like_the_others_may_be_kept(hands):
     assert all(path.stat().st_mtime_ns == then for path, then in before.items())
 
 
+def test_a_subject_with_a_phase_in_another_unit_is_named_and_left_out(done):
+    surfaces = sp.make_phantom(phases=3, voxel_size=4.0, seed=1)
+    small = surfaces[2]
+    surfaces[2] = sp.Surface(small.vertices / 10, small.faces, small.name)
+    record = {"subject": "s", "names": [one.name for one in surfaces], "warnings": []}
+    with inside(done[1]):
+        parameters = store.read_json(Path("plan/landmarks.json"))["parameters"]
+        found, _ = landmarks.subject_landmarks(surfaces, record, atlas.read(), parameters)
+    (one,) = found["odd"]
+    assert one["kind"] == "another unit" and f"its phase {small.name} is" in one["text"]
+    assert "times smaller than its others, so in another unit (cm among mm?)" in one["text"]
+    assert likeness.left_out(found, {"left_out": ["another unit"]}) == one["text"]
+
+
+def test_phantoms_that_nobody_reflected_are_not_called_mirrored(tmp_path):
+    """Of these eight, single phases, the rule for all at once accuses three."""
+    (tmp_path / "in").mkdir()
+    for seed in range(8):
+        one = sp.make_phantom(phases=1, voxel_size=4.0, seed=seed)[0]
+        sp.write_ply(tmp_path / f"in/s{seed}.ply", one.vertices, one.faces)
+    planned(tmp_path / "in", tmp_path / "out", chunk=8)
+    with inside(tmp_path / "out"):
+        for step in (("import", "00000"), ("atlas",), ("landmarks", "00000")):
+            steps.STEPS[step[0]](*step[1:])
+    assert not any(one["odd"] for one in records(tmp_path / "out").values())
+    assert not json.loads((tmp_path / "out/atlas.json").read_text())["left_out"]
+
+
 def test_one_whose_side_nobody_can_tell_does_not_hide_the_mirrored():
     def warning(message, *names):
         return sp.SpherePropagationWarning("it is so", message=message, layers=names)
@@ -187,6 +217,23 @@ def test_one_whose_side_nobody_can_tell_does_not_hide_the_mirrored():
 def test_where_sides_cannot_be_told_nobody_is_called_mirrored(done):
     """Phantoms of ventricles are nearly their own mirror images."""
     assert not any(of.get("odd") for of in records(done[1]).values())
+
+
+def test_a_surface_that_is_inside_out_fails_at_its_import(tmp_path):
+    one = sp.make_phantom(phases=1, voxel_size=4.0, seed=1)[0]
+    sp.write_ply(tmp_path / "a.ply", one.vertices, one.faces[:, ::-1])
+    entry = {"subject": "a", "files": [{"file": "a.ply"}], "groups": {}, "anchors": None}
+    with pytest.raises(worker.Failed, match="inward") as failed:
+        importing.import_subject(tmp_path, {**entry, "failed": ""}, {})
+    assert str(failed.value).count("inward") == 1
+
+
+def test_nothing_is_said_of_reflecting():
+    """The filter may have done it; a cohort does not."""
+    text = next(iter(wording.OF_COHORTS))
+    source = Path(__file__).parents[2] / "filter_sphere_propagation/messages.def"
+    assert text in re.sub(r'"\s*"', "", source.read_text(encoding="utf-8"))
+    assert wording.for_files(f"They differ{text}") == "They differ. Look at them."
 
 
 def test_advice_is_for_files():

@@ -94,7 +94,7 @@ def _frame(archive, record: Mapping[str, Any], root_phase) -> Surface:
     elif root_phase < phases:
         phase = root_phase
     else:
-        raise Failed(f"root_phase is {root_phase}, and it has the phases 0 to {phases - 1}.")
+        raise Failed(frames.no_such_phase(root_phase, phases))
     surface = frames.read_frame(archive, record, phase)
     return Surface(surface.vertices, surface.faces, record["subject"])
 

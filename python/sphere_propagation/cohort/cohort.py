@@ -6,15 +6,17 @@ from __future__ import annotations
 
 import gzip
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 from .. import files
 from ..errors import InputError
-from . import atlas, engine, likeness, plan, store, subjects, twins
+from . import atlas, cycles, engine, likeness, memory, plan, store, subjects, twins
+from .frames import no_such_phase
 from .landmarks import LANDMARKS
 from .steps import COSTS
-from .study import read_study
+from .study import LARGEST, read_study
 from .subjects import counted
 
 # CPU seconds, measured: landmarks of 60 hippocampi of 2,500 vertices, and label volumes of two
@@ -50,11 +52,13 @@ def run(
     if labels:
         found, remarks = subjects.chosen(found, labels), []
         _require_no_fewer(output, found)
+    found = _with_root_phases(base, found, study.root_phase)
     excluded = plan.excluded(output, study, home, found)
-    if level == "group":
-        _require_enough(found, list(excluded))
+    _require_enough(found, list(excluded) if level == "group" else (), level)
     if dry:
-        with engine.shadow(output) as folder:
+        damaged = store.damaged(output)
+        with engine.shadow(output, damaged) as folder:
+            _say_damaged(output, damaged, say)
             made = plan.write(folder, study, base, found, home, remarks)
             _say_what_would_run(folder, output, level, base, found, made, say)
             _say_remarks(remarks, say)
@@ -63,22 +67,29 @@ def run(
     with engine.lock(output):
         if not profile:  # jobs on this machine have ended with the run that started them
             store.sweep(output)
+        damaged = store.damaged(output)
+        for path in damaged:
+            path.unlink()
+        _say_damaged(output, damaged, say)
         made = plan.write(output, study, base, found, home, remarks)
         _say_remarks(remarks, say)
         say(
             f"{counted(len(found), 'subject')} in {counted(len(made['chunks']), 'chunk')}, "
-            f"{len(store.read_json(output / plan.PLAN / 'atlas.json')['subjects'])} in the atlas"
+            f"up to {len(store.read_json(output / plan.PLAN / 'atlas.json')['subjects'])} in the "
+            "atlas"
         )
         engine.run(output, level, cores or (None if profile else 1), profile, say)
         complete = _say_what_came_out(output, level, list(made["chunks"]), say)
     return 0 if complete else LEFT_OUT
 
 
-def _require_enough(found: Sequence[subjects.Subject], excluded: Sequence[str]) -> None:
-    """Two subjects, before hours are spent on what cannot be a model."""
+def _require_enough(found: Sequence[subjects.Subject], excluded: Sequence[str], level: str) -> None:
+    """Two subjects, before hours are spent on what cannot be a model; one for landmarks."""
     left = [one for one in found if not one.failed and one.name not in excluded]
-    if len(left) >= 2:
+    if len(left) >= (2 if level == "group" else 1):
         return
+    if level != "group":
+        raise InputError(f"No subject can take part. {found[0].name}: {found[0].failed}")
     why = f" {found[0].name}: {found[0].failed}" if found[0].failed else ""
     raise InputError(
         f"{counted(len(left), 'subject')} of {len(found)} can take part, and models are made of "
@@ -90,6 +101,34 @@ def _require_enough(found: Sequence[subjects.Subject], excluded: Sequence[str]) 
 def _say_remarks(remarks: Sequence[str], say: Callable[[str], None]) -> None:
     for remark in remarks:
         say(f"note: {remark}")
+
+
+def _say_damaged(output: Path, damaged: Sequence[Path], say: Callable[[str], None]) -> None:
+    if damaged:
+        names = [path.relative_to(output).as_posix() for path in damaged]
+        say(
+            f"note: {counted(len(names), 'file')} of this study that cannot be read, since cut "
+            f"off, {'is' if len(names) == 1 else 'are'} made again where needed: "
+            f"{subjects.some(names)}"
+        )
+
+
+def _with_root_phases(
+    base: Path, found: Sequence[subjects.Subject], root_phase: Union[str, int]
+) -> List[subjects.Subject]:
+    """Those fail that have no phase of this number, as far as names and headers tell."""
+    if root_phase == LARGEST:
+        return list(found)
+    checked = []
+    for one in found:
+        phases = 0 if one.failed else len(one.files)
+        if phases == 1 and files.is_label_volume(base / one.files[0]):
+            header = memory.header_of_nifti(base / one.files[0])
+            phases = header[0] if header else 0
+        if 0 < phases <= root_phase:
+            one = replace(one, failed=no_such_phase(root_phase, phases))
+        checked.append(one)
+    return checked
 
 
 def _require_no_fewer(output: Path, found: Sequence[subjects.Subject]) -> None:
@@ -175,7 +214,8 @@ def _say_what_came_out(
         )
         say("  subjects.csv: a row for each subject, with the reason where it failed")
         say("  model/model.npz, model.csv, measures.csv, explore.html: the spatial model")
-        say("  cycle/model.npz, scores.csv: the model of the motion (4D)")
+        if store.read_json(output / cycles.CYCLE / "model.json")["subjects"]:
+            say("  cycle/model.npz, scores.csv: the model of the motion (4D)")
     spent = sum(cost["cpu_seconds"] for _, cost in _costs(output))
     say(f"{spent:.0f} CPU s, as costs/*.json say")
     return not missing

@@ -222,18 +222,28 @@ def planned(output: Path, target: str) -> List[Planned]:
 
 
 @contextmanager
-def shadow(output: Path) -> Iterator[Path]:
-    """A folder to plan in as if it were the output, which stays as it is."""
+def shadow(output: Path, without: Sequence[Path] = ()) -> Iterator[Path]:
+    """A folder to plan in as if it were the output, which stays as it is, and lacked some files."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path in output.iterdir() if output.is_dir() else ():
             if path.name == "plan":
-                shutil.copytree(path, folder / "plan")
+                left = shutil.ignore_patterns(*(one.name for one in without if path in one.parents))
+                shutil.copytree(path, folder / "plan", ignore=left)
             elif path.name == ".snakemake":
                 (folder / ".snakemake").mkdir()
                 for part in ("metadata", "incomplete"):
                     if (path / part).is_dir():
                         shutil.copytree(path / part, folder / ".snakemake" / part)
             elif path.name != LOCK:
-                (folder / path.name).symlink_to(path.resolve())
+                _link(path, folder / path.name, without)
         yield folder
+
+
+def _link(path: Path, place: Path, without: Sequence[Path]) -> None:
+    if any(path in one.parents for one in without):
+        place.mkdir()
+        for below in path.iterdir():
+            _link(below, place / below.name, without)
+    elif path not in without:
+        place.symlink_to(path.resolve())

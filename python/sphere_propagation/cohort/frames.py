@@ -45,6 +45,11 @@ def root_of(surfaces: Sequence[Surface], root_phase: Union[str, int]) -> int:
     return largest(surfaces) if root_phase == LARGEST else int(root_phase)
 
 
+def no_such_phase(chosen: int, phases: int) -> str:
+    has = f"the phases 0 to {phases - 1}" if phases > 1 else "the phase 0 alone"
+    return f"root_phase is {chosen}, and it has {has}."
+
+
 def require_sphere(surface: Surface) -> None:
     """Failed, in the filters' own words, where it is no closed surface of genus 0."""
     if _is_sphere(surface):
@@ -56,9 +61,12 @@ def require_sphere(surface: Surface) -> None:
 
 
 def _is_sphere(surface: Surface) -> bool:
-    """Whether every edge has two faces that agree, in one part, and Euler's number is 2."""
+    """Whether every edge has two faces that agree, in one part that looks outward, and Euler's
+    number is 2."""
     faces, count = surface.faces.astype(np.int64), len(surface.vertices)
     if not np.isfinite(surface.vertices).all() or len(faces) != 2 * count - 4:
+        return False
+    if len(faces) and (faces.min() < 0 or faces.max() >= count or surface.volume <= 0):
         return False
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     codes, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]

@@ -101,7 +101,7 @@ def subject_landmarks(
     phases = len(surfaces)
     chosen = parameters["root_phase"]
     if chosen != "largest" and chosen >= phases:
-        raise Failed(f"root_phase is {chosen}, and it has the phases 0 to {phases - 1}.")
+        raise Failed(frames.no_such_phase(chosen, phases))
     root = frames.root_of(surfaces, chosen)
     frame = replace(surfaces[root], name=record["subject"])
     odd = likeness.judge(frame, made.known(), made.reference_map, made.sided)
@@ -145,7 +145,7 @@ def subject_landmarks(
         "vertices": [len(surface.vertices) for surface in surfaces],
         **table,
         **more,
-        "odd": odd or list(made.odd.get(record["subject"], ())),
+        "odd": [*(odd or made.odd.get(record["subject"], ())), *likeness.of_phases(said)],
         "warnings": [*record["warnings"], *words_of(said)],
     }, made_here.points
 
@@ -182,6 +182,6 @@ def _map_of_frame(
             threads=1,
         )
     except SpherePropagationError as error:
-        raise Failed(" ".join([*why, str(error)])) from error
+        raise Failed(" ".join(dict.fromkeys([*why, str(error)]))) from error
     names = ("residual_mean", "residual_p95", "repaired_faces")
     return found.maps[1], {key: store.figure(found.figures[key][1]) for key in names}

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import warnings
 from dataclasses import replace
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -27,6 +27,7 @@ UNSURE = 0.25  # part of the frames whose side may be unknown in a study that ha
 REFERENCES = 5  # frames of the atlas that a subject is compared with
 OF_SIZE = ("anotherUnit", "anotherUnitThanRoot", "anotherSize", "anotherSizeThanRoot")
 OF_SIZE += ("severalSizes",)
+HALVES = "halfOfLayersLarger"
 
 Oddity = Dict[str, str]  # kind, text
 
@@ -66,15 +67,42 @@ def found_in(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, 
     return odd
 
 
-def _of_size(text: str) -> Oddity:
+def _unit_and_factor(text: str) -> Tuple[str, str]:
+    """What a warning says of the unit, empty where nothing, and how much larger than others."""
     unit = re.search(r"\(([^()]+ (?:among|beside) [^()]+)\?\)", text)
     times = re.search(r"([\d.e+]+) times (larger|smaller)", text)
-    how = f"{times[1]} times {times[2]} than" if times else "of another size than"
+    return unit[1] if unit else "", (
+        f"{times[1]} times {times[2]} than" if times else "of another size than"
+    )
+
+
+def _of_size(text: str) -> Oddity:
+    unit, how = _unit_and_factor(text)
     if unit:
-        said = f"it is {how} the other subjects suggest, so it is in another unit ({unit[1]}?): "
+        said = f"it is {how} the other subjects suggest, so it is in another unit ({unit}?): "
         return {"kind": UNIT, "text": said + "bring its files to the others' unit"}
     said = f"it is {how} the other subjects suggest: another shape, or another unit?"
     return {"kind": SIZE, "text": said}
+
+
+def of_phases(said: Sequence[SpherePropagationWarning]) -> List[Oddity]:
+    """What is odd about a subject whose phases are of several sizes, as propagation through them
+    says."""
+    odd: List[Oddity] = []
+    for warning in said:
+        if warning.message not in (*OF_SIZE, HALVES):
+            continue
+        unit, how = _unit_and_factor(str(warning))
+        names = ", ".join(warning.layers)
+        several = len(warning.layers) != 1
+        text = f"its phase{'s' * several} {names}" if names else "half of its phases"
+        text += f" {'are' if several else 'is'} {how} its others"
+        if unit:
+            text += f", so in another unit ({unit}?): bring all its files to one unit"
+        one = {"kind": UNIT if unit else SIZE, "text": text}
+        if one not in odd:
+            odd.append(one)
+    return odd
 
 
 def _mirrored() -> Oddity:

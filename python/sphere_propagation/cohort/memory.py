@@ -36,7 +36,7 @@ def extent(path: Path, size: int) -> Extent:
     """size: in bytes. Of label volumes NIfTI says what is in it; of others the bytes tell."""
     if not files.is_label_volume(path):
         return Extent(1, 0.0, max(size, 0) / BYTES_OF_VERTEX)
-    phases, voxels = _of_nifti(path) or (1, ZIPPED * max(size, 0))
+    phases, voxels = header_of_nifti(path) or (1, ZIPPED * max(size, 0))
     # A surface that goes through the grid as the faces of its box do, of which there are three.
     return Extent(phases, phases * voxels, 2 * phases * voxels ** (2 / 3))
 
@@ -74,7 +74,7 @@ def _whole(more: float, least: int = LEAST) -> int:
     return max(least, int(more + (least and LEAST / 2)) + 1)
 
 
-def _of_nifti(path: Path) -> Union[Tuple[()], Tuple[int, float]]:
+def header_of_nifti(path: Path) -> Union[Tuple[()], Tuple[int, float]]:
     """Phases, and voxels of a phase as fine as its finest direction; nothing of other files."""
     name = path.name.lower()
     if not name.endswith((".nii", ".nii.gz", ".hdr", ".hdr.gz")):

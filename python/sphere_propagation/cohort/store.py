@@ -9,12 +9,14 @@ import os
 import zipfile
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, Mapping
+from typing import Any, Dict, Iterable, Iterator, List, Mapping
 
 import numpy as np
 
 from ..digest import digest
+from ..errors import FileError
 
+OF_STEPS = ("plan", "surfaces", "landmarks", "moments", "model", "scores", "cycle", "costs")
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # that zip knows: files must not differ by the time
 
 
@@ -56,7 +58,44 @@ def write_if_changed(path: Path, content: Any) -> bool:
 
 
 def read_json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: Exception) -> FileError:
+    return FileError(
+        f"{path.resolve()} cannot be read ({error}). Delete it: the same command makes it again."
+    )
+
+
+def damaged(folder: Path) -> List[Path]:
+    """The files of a study that are cut off, as copies of a study or a full disk leave them."""
+    found = [folder / "atlas.npz", folder / "atlas.json"]
+    for name in OF_STEPS:
+        found += sorted((folder / name).rglob("*.*"))
+    return [
+        path
+        for path in found
+        if path.is_file() and not path.name.startswith(".") and not _is_whole(path)
+    ]
+
+
+def _is_whole(path: Path) -> bool:
+    """By its end, which takes no time."""
+    try:
+        if path.suffix == ".json":
+            with open(path, "rb") as file:
+                file.seek(max(0, path.stat().st_size - 2))
+                return file.read() == b"}\n"
+        if path.suffix == ".npz":
+            zipfile.ZipFile(path).close()
+        elif path.suffix == ".npy":
+            np.load(path, mmap_mode="r")
+    except (zipfile.BadZipFile, ValueError, EOFError):
+        return False
+    return path.stat().st_size > 0
 
 
 def origin(plan: Mapping[str, Any], inputs: Iterable[Path]) -> Dict[str, Any]:
@@ -118,8 +157,11 @@ def write_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
 
 
 def read_arrays(path: Path) -> Dict[str, np.ndarray]:
-    with np.load(path, allow_pickle=False) as found:
-        return {name: found[name] for name in found.files}
+    try:
+        with np.load(path, allow_pickle=False) as found:
+            return {name: found[name] for name in found.files}
+    except (zipfile.BadZipFile, ValueError, EOFError) as error:
+        raise _unreadable(path, error) from error
 
 
 class Rows:

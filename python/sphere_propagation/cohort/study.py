@@ -211,6 +211,8 @@ def read_study(path: Union[None, str, Path]) -> Tuple[Study, Path]:
     if path is None:
         return checked({}), Path.cwd()
     path = Path(path)
+    if not path.is_file():
+        raise InputError(f"--config: there is no file {path}.")
     try:
         import tomllib
     except ImportError as error:
