@@ -2,12 +2,13 @@
 """Who takes part, what the study may say, and what is done again when something changes."""
 
 import os
+import struct
 from pathlib import Path
 
 import pytest
 import sphere_propagation as sp
 from cohort_inputs import planned
-from sphere_propagation.cohort import memory, plan, store, study, subjects
+from sphere_propagation.cohort import cohort, memory, plan, store, study, subjects
 
 STUDY = study.Study()
 
@@ -139,6 +140,29 @@ def test_files_that_are_missing_are_said_before_anything_runs(tmp_path):
     ]
 
 
+def test_a_folder_in_a_table_is_called_one(tmp_path):
+    touched(tmp_path, "a.ply", "b/1.ply")
+    (tmp_path / "t.csv").write_text("subject,file\na,a.ply\nb,b\n")
+    found = subjects.find(tmp_path / "t.csv", STUDY, tmp_path).subjects
+    assert found[1].failed == "b, which line 3 of t.csv names, is a folder: a row names a file."
+
+
+def test_participants_without_sub_are_the_same_and_what_is_missing_is_no_group(tmp_path):
+    touched(tmp_path, "sub-01/1.ply", "sub-02/1.ply", "sub-03/1.ply")
+    (tmp_path / "participants.tsv").write_text("participant_id\tsex\n01\tf\nsub-02\tn/a\n03\tN/A\n")
+    _, found, remarks = subjects.find(tmp_path, STUDY, tmp_path)
+    assert [one.groups for one in found] == [{"sex": "f"}, {"sex": ""}, {"sex": ""}]
+    assert remarks == []
+
+
+def test_links_to_what_is_not_there_are_named(tmp_path):
+    touched(tmp_path, "sub-01/1.ply", "sub-02/1.ply")
+    os.symlink(tmp_path / "gone.ply", tmp_path / "sub-02/2.ply")
+    os.symlink(tmp_path / "gone", tmp_path / "sub-03")
+    said = remarks_on(tmp_path)
+    assert said == "2 links to what is not there are left out: sub-02/2.ply, sub-03"
+
+
 def test_a_table(tmp_path):
     (tmp_path / "study.csv").write_text(
         "subject,phase,file,group,anchors\nb,10,b10.ply,ill,\nb,9,b9.ply,ill,b.csv\n"
@@ -157,6 +181,7 @@ def test_a_table(tmp_path):
     "text, says",
     [
         ("subject,phase\na,1\n", "lacks the column 'file'"),
+        ("subject,file\n", "t.csv has no rows: below the columns' names"),
         ("subject,file\n,a.ply\n", "line 2 says no subject"),
         ("subject,file\na/b,a.ply\n", "becomes the name of files"),
         ("subject,phase,file\na,1,x.ply\na,01,y.ply\n", "line 3 gives a the phase '01' once more"),
@@ -189,6 +214,22 @@ def test_some_subjects():
     assert len(subjects.chosen(found, [])) == 2
     with pytest.raises(sp.InputError, match="no subject '3'"):
         subjects.chosen(found, ["3"])
+
+
+def test_subjects_without_the_root_phase_are_named_before_anything_runs(tmp_path):
+    """Meshes are counted; of a NIfTI file the header is read, of others nobody knows."""
+    names = [f"a/{k}.ply" for k in range(4)] + ["b/0.ply", "b/1.ply", "d/scan.mha"]
+    touched(tmp_path, *names)
+    header = bytearray(352)
+    header[:4], header[40:50] = (348).to_bytes(4, "little"), struct.pack("<5h", 4, 8, 8, 8, 3)
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/scan.nii").write_bytes(header)
+    base, found, _ = subjects.find(tmp_path, STUDY, tmp_path)
+    failed = {one.name: one.failed for one in cohort._with_root_phases(base, found, 3)}
+    assert failed["a"] == failed["d"] == ""
+    assert failed["b"] == "root_phase is 3, and it has the phases 0 to 1."
+    assert failed["c"] == "root_phase is 3, and it has the phases 0 to 2."
+    assert cohort._with_root_phases(base, found, "largest") == found
 
 
 def test_every_key_has_a_default_that_it_takes():

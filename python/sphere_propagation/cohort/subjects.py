@@ -19,6 +19,7 @@ from .study import Study
 TABLES = (".csv", ".tsv")
 OF_TABLE = ("subject", "file", "phase", "anchors")  # columns; all others are groups
 PARTICIPANTS, ID = "participants.tsv", "participant_id"  # of BIDS: its other columns are groups
+MISSING = "n/a"  # a value, in BIDS
 OF_BIDS = ("derivatives", "code", "sourcedata", "phenotype", "stimuli")  # folders of no subject
 SESSION = "ses-"
 DRAWN = "segmentations (_dseg, _mask, _probseg)"
@@ -135,6 +136,7 @@ class _Seen:
     root: Path
     beside: Dict[str, List[str]] = field(default_factory=dict)
     unread: List[str] = field(default_factory=list)
+    dangling: List[str] = field(default_factory=list)
     rules: Dict[str, List[str]] = field(default_factory=dict)
 
     def name(self, path: Path) -> str:
@@ -165,10 +167,11 @@ def _of_folder(folder: Path, study: Study, remarks: List[str]) -> List[Subject]:
                 f"{_are(full)} left out: {some([path.name for path in full])}"
             )
         _say_what_was_left(aside, remarks)
-        groups = _participants(folder / PARTICIPANTS, remarks)
         named = list(zip(here, files.names_of(here)))
+        groups = _participants(folder / PARTICIPANTS, [name for _, name in named], remarks)
         _compare_with_participants(groups, [name for _, name in named], remarks)
         return [Subject(name, [path.name], groups.get(name, {})) for path, name in named]
+    seen.dangling += [path.name for path in folder.iterdir() if _leads_nowhere(path)]
     others = [path.name for path in below if bids and path not in bids]
     if others:
         remarks.append(
@@ -181,7 +184,8 @@ def _of_folder(folder: Path, study: Study, remarks: List[str]) -> List[Subject]:
             f"{some([path.name for path in here])}"
         )
     _say_what_was_left(seen, remarks)
-    groups = _participants(folder / PARTICIPANTS, remarks)
+    names = [name for path, homes in of.items() for name in (path.name, homes[0][0])]
+    groups = _participants(folder / PARTICIPANTS, names, remarks)
     found = []
     for path, homes in of.items():
         for name, where, its in homes:
@@ -196,9 +200,7 @@ def _of_folder(folder: Path, study: Study, remarks: List[str]) -> List[Subject]:
                     failed="" if its else f"There is {what} in its folder {seen.name(where)}.",
                 )
             )
-    _compare_with_participants(
-        groups, [name for path, homes in of.items() for name in (path.name, homes[0][0])], remarks
-    )
+    _compare_with_participants(groups, names, remarks)
     return found
 
 
@@ -234,7 +236,9 @@ def _files_in(
 ) -> List[Path]:
     """A subject's files in natural order; of several kinds segmentations, else meshes."""
     pattern = study.files or ("**/*" if deep else "*")
-    there = [path for path in folder.glob(pattern) if path.is_file() and path.name[0] != "."]
+    matching = [path for path in folder.glob(pattern) if path.name[0] != "."]
+    seen.dangling += [seen.name(path) for path in matching if _leads_nowhere(path)]
+    there = [path for path in matching if path.is_file()]
     there.sort(key=lambda path: files._natural(path.relative_to(folder).as_posix()))
     found = [path for path in there if _is_read(path)]
     seen.unread += [seen.name(path) for path in there if not _is_read(path) and _may_be_meant(path)]
@@ -256,6 +260,10 @@ def _files_in(
     return taken
 
 
+def _leads_nowhere(path: Path) -> bool:
+    return path.is_symlink() and not path.exists()
+
+
 def _say_what_was_left(seen: _Seen, remarks: List[str]) -> None:
     which = "the study's key files says which are taken"
     for rule, names in seen.beside.items():
@@ -272,6 +280,11 @@ def _say_what_was_left(seen: _Seen, remarks: List[str]) -> None:
                     f"{counted(len(names), 'subject')} {'has' if len(names) == 1 else 'have'} no "
                     f"{usual}, as others have, and {rule} are taken: {some(names)} ({which})"
                 )
+    if seen.dangling:
+        remarks.append(
+            f"{counted(len(seen.dangling), 'link')} to what is not there "
+            f"{_are(seen.dangling)} left out: {some(sorted(seen.dangling))}"
+        )
     if seen.unread:
         remarks.append(
             f"{counted(len(seen.unread), 'file')} of a kind that is not read "
@@ -290,7 +303,11 @@ def _may_be_meant(path: Path) -> bool:
     return not name.endswith((*TEXTS, *ANCHOR_FILES)) and path.stem.upper() not in PAPERS
 
 
-def _participants(path: Path, remarks: List[str]) -> Dict[str, Dict[str, str]]:
+def _participants(
+    path: Path, names: Sequence[str], remarks: List[str]
+) -> Dict[str, Dict[str, str]]:
+    """Groups by subject; names: the subjects', which a row may have without sub-."""
+    known = set(names)
     if not path.is_file():
         return {}
     rows = rows_of(path)
@@ -307,7 +324,13 @@ def _participants(path: Path, remarks: List[str]) -> Dict[str, Dict[str, str]]:
         name = row.get(ID, "")
         if not name:
             continue
-        its = {key: value for key, value in row.items() if key not in (ID, "", *taken)}
+        if name not in known and f"sub-{name}" in known:
+            name = f"sub-{name}"
+        its = {
+            key: "" if value.lower() == MISSING else value
+            for key, value in row.items()
+            if key not in (ID, "", *taken)
+        }
         if groups.setdefault(name, its) != its:
             raise InputError(
                 f"{path}: line {number} says of {name} something else than a line before: which "
@@ -359,12 +382,17 @@ def rows_of(path: Path) -> List[Dict[str, str]]:
 def _of_table(path: Path) -> List[Subject]:
     """Columns: subject, file; phase (their order), anchors (a file); all others are groups."""
     rows = rows_of(path)
-    columns = list(rows[0]) if rows else []
+    if not rows:
+        raise InputError(
+            f"{path} has no rows: below the columns' names, subject and file, there is one for "
+            "each subject and phase."
+        )
+    columns = list(rows[0])
     for needed in ("subject", "file"):
         if needed not in columns:
             raise InputError(
-                f"{path} lacks the column {needed!r}: it has "
-                f"{', '.join(columns) or 'none'}. Needed are subject and file, with one row per "
+                f"{path} lacks the column {needed!r}: it has {', '.join(columns)}. Needed are "
+                "subject and file, with one row per "
                 "subject and phase; phase, anchors and columns of groups may be there."
             )
     named = [key for key in columns if key not in OF_TABLE and key]
@@ -419,8 +447,11 @@ def _of_rows(
         failed = "Its row of the table names no file."
     for number, row in reversed(its):
         for file in filter(None, (row.get("anchors"), row["file"])):
-            if not (base / file).is_file():
-                failed = f"There is no file {file}, which line {number} of {path.name} names."
+            said = f"which line {number} of {path.name} names"
+            if (base / file).is_dir():
+                failed = f"{file}, {said}, is a folder: a row names a file."
+            elif not (base / file).is_file():
+                failed = f"There is no file {file}, {said}."
     return Subject(
         name,
         [_relative(base, row["file"]) for _, row in its if row["file"]],

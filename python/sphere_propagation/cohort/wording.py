@@ -55,10 +55,18 @@ MESSAGES: Dict[str, str] = {
 }
 
 
+#: Filters may reflect layers, cohorts do not.
+OF_COHORTS: Dict[str, str] = {
+    ", so none of them is reflected. Look at them, and reflect by hand.": ". Look at them.",
+}
+
+
 def for_files(text: str) -> str:
     """With advice for files in place of that for arrays."""
     for table, ours in ((FOR_ARRAYS, ADVICE), (MESSAGES_FOR_ARRAYS, MESSAGES)):
         for name, (_, advice) in table.items():
             if name in ours and advice in text:
                 text = text.replace(advice, ours[name])
+    for theirs, ours in OF_COHORTS.items():
+        text = text.replace(theirs, ours)
     return re.sub(r"\bread_label_volume\b", "the import of label volumes", text)
