@@ -54,9 +54,10 @@ std::vector<Vector3> sideBySide(const std::vector<Eigen::AlignedBox3d>& boxes,
                high = (1 + margin) * std::max(largest.y(), least);
   const std::vector<GridCell> taken = cells.empty() ? cellsInOrder(boxes, high / wide) : cells;
   double columns = 0, rows = 0;
-  for (const GridCell& cell : taken) {
-    columns = std::max(columns, cell.column + 1);
-    rows = std::max(rows, cell.row + 1);
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    if (boxes[i].isEmpty()) continue;
+    columns = std::max(columns, taken[i].column + 1);
+    rows = std::max(rows, taken[i].row + 1);
   }
   const Eigen::AlignedBox3d& around = beside.isEmpty() ? all : beside;
   const double left = beside.isEmpty() ? around.center().x() - 0.5 * wide * columns
