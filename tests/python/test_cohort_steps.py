@@ -353,6 +353,25 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
     assert json.loads(path.read_text()) == [1] and list(tmp_path.iterdir()) == [path]
 
 
+def test_files_that_are_cut_off_are_found_by_their_ends(tmp_path):
+    store.write_json(tmp_path / "plan/a.json", {"a": [1]})
+    store.write_arrays(tmp_path / "surfaces/a.npz", {"x": np.zeros((4, 3))})
+    for name, count in (("a", 5), ("none", 0)):
+        with store.rows(tmp_path / f"landmarks/{name}.npy", 3) as rows:
+            rows.add(np.zeros((count, 3)))
+    (tmp_path / "cycle").mkdir()
+    (tmp_path / "cycle/scores.csv").write_text("subject\n")
+    assert store.damaged(tmp_path) == []
+    there = sorted(path for path in tmp_path.rglob("*.*") if path.is_file())
+    for path in there:
+        whole = path.read_bytes()
+        for end in (0, len(whole) // 2, len(whole) - 1):
+            if path.suffix != ".csv" or end == 0:
+                path.write_bytes(whole[:end])
+                assert store.damaged(tmp_path) == [path], end
+        path.write_bytes(whole)
+
+
 def test_what_killed_writers_left_is_swept_away(tmp_path):
     (tmp_path / "model").mkdir()
     for name in (".a.npz.7.part", "model/.b.npy.8.part", "kept.part", ".lock"):

@@ -17,6 +17,7 @@ from ..digest import digest
 from ..errors import FileError
 
 OF_STEPS = ("plan", "surfaces", "landmarks", "moments", "model", "scores", "cycle", "costs")
+END_OF_ZIP = 22  # bytes, where no remark follows
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # that zip knows: files must not differ by the time
 
 
@@ -83,19 +84,19 @@ def damaged(folder: Path) -> List[Path]:
 
 
 def _is_whole(path: Path) -> bool:
-    """By its end, which takes no time."""
-    try:
-        if path.suffix == ".json":
-            with open(path, "rb") as file:
-                file.seek(max(0, path.stat().st_size - 2))
-                return file.read() == b"}\n"
-        if path.suffix == ".npz":
-            zipfile.ZipFile(path).close()
-        elif path.suffix == ".npy":
+    """By its end: a thousand archives of thousands of arrays take no time."""
+    if path.suffix == ".npy":
+        try:
             np.load(path, mmap_mode="r")
-    except (zipfile.BadZipFile, ValueError, EOFError):
-        return False
-    return path.stat().st_size > 0
+        except (ValueError, EOFError):
+            return False
+        return True
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - END_OF_ZIP))
+        end = file.read()
+    if path.suffix == ".json":
+        return end.endswith(b"}\n")
+    return end.startswith(b"PK\x05\x06") if path.suffix == ".npz" else bool(end)
 
 
 def origin(plan: Mapping[str, Any], inputs: Iterable[Path]) -> Dict[str, Any]:
