@@ -565,4 +565,4 @@ def test_convert_refuses_what_would_become_one_file(body, tmp_path, capsys):
 def test_order_and_parents_exclude_each_other(capsys):
     with pytest.raises(SystemExit) as end:
         run("run", "x", "-o", "y", "--order", "star", "--parents", "-1,0")
-    assert end.value.code == 2 and "not allowed with argument --order" in capsys.readouterr().err
+    assert end.value.code == 2 and "not together with --order" in capsys.readouterr().err
