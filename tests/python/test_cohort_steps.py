@@ -21,7 +21,6 @@ from sphere_propagation.cohort import (
     landmarks,
     likeness,
     merging,
-    steps,
     store,
     wording,
     worker,
@@ -187,20 +186,6 @@ def test_a_subject_with_a_phase_in_another_unit_is_named_and_left_out(done):
     assert one["kind"] == "another unit" and f"its phase {small.name} is" in one["text"]
     assert "times smaller than its others, so in another unit (cm among mm?)" in one["text"]
     assert likeness.left_out(found, {"left_out": ["another unit"]}) == one["text"]
-
-
-def test_phantoms_that_nobody_reflected_are_not_called_mirrored(tmp_path):
-    """Of these eight, single phases, the rule for all at once accuses three."""
-    (tmp_path / "in").mkdir()
-    for seed in range(8):
-        one = sp.make_phantom(phases=1, voxel_size=4.0, seed=seed)[0]
-        sp.write_ply(tmp_path / f"in/s{seed}.ply", one.vertices, one.faces)
-    planned(tmp_path / "in", tmp_path / "out", chunk=8)
-    with inside(tmp_path / "out"):
-        for step in (("import", "00000"), ("atlas",), ("landmarks", "00000")):
-            steps.STEPS[step[0]](*step[1:])
-    assert not any(one["odd"] for one in records(tmp_path / "out").values())
-    assert not json.loads((tmp_path / "out/atlas.json").read_text())["left_out"]
 
 
 def test_one_whose_side_nobody_can_tell_does_not_hide_the_mirrored():

@@ -132,21 +132,11 @@ def _unlike(
     found: Sequence[Surface], said: Sequence[SpherePropagationWarning]
 ) -> Dict[str, List[likeness.Oddity]]:
     """Frame -> in what it is not like the others, so that the atlas is made without it."""
-    odd = likeness.found_in(said, len(found))
-    rest = [one for one in found if one.name not in odd]
-    known = [rest[k] for k in likeness.spread(rest)]
-    of = {one.name: one for one in found}
-    kept = {
-        name: [
-            one
-            for one in its
-            if one["kind"] == likeness.UNIT
-            or one["kind"] == likeness.MIRRORED
-            and likeness.is_mirrored(of[name], known)
-        ]
-        for name, its in odd.items()
+    return {
+        name: its
+        for name, its in likeness.found_in(said, len(found)).items()
+        if any(one["kind"] in likeness.KINDS for one in its)
     }
-    return {name: its for name, its in kept.items() if its}
 
 
 def _of(

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import replace
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
@@ -148,29 +147,7 @@ def judge(
         except SpherePropagationError:
             return []  # what cannot be done is found by the steps after this one
     odd = found_in(said, len(known) + 1).get(frame.name, [])
-    return [one for one in odd if one["kind"] != MIRRORED or sided and is_mirrored(frame, known)]
-
-
-def is_mirrored(frame: Surface, others: Sequence[Surface]) -> bool:
-    """Whether it is so beside most of the others, each alone, and its image is not: among all at
-    once one that is certain outvotes those that are not, and shapes that are nearly their own
-    mirror images may be nearer to a stranger's image than to the stranger."""
-    image = Surface(frame.vertices * [-1, 1, 1], frame.faces[:, ::-1], frame.name)
-    votes = sum(_is_image(frame, other) - _is_image(image, other) for other in others)
-    return 2 * votes > len(others)
-
-
-def _is_image(frame: Surface, other: Surface) -> bool:
-    """Whether one is certainly on the other side than the other is."""
-    root = replace(other, name="the other")
-    with attention.collected() as said, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            root_map = filters.parameterise_root(root, threads=1)
-            filters.propagate([root, frame], root_map, root_layer=0, order="Star", threads=1)
-        except SpherePropagationError:
-            return False
-    return "mirrorImage" in {warning.message for warning in said}
+    return [one for one in odd if sided or one["kind"] != MIRRORED]
 
 
 def words_of(record: Mapping[str, Any]) -> str:
