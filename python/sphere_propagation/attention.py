@@ -13,7 +13,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Tuple, Union
 
-from .errors import MESSAGES_FOR_ARRAYS, SpherePropagationWarning, for_arrays
+from .errors import MESSAGES_FOR_ARRAYS, SpherePropagationWarning, for_arrays, some
 
 PACKAGE = str(Path(__file__).parent)
 #: Names of messages that say the same of a surface and of its landmarks.
@@ -94,9 +94,7 @@ def _without_repetition(found: List[SpherePropagationWarning]) -> List[SpherePro
             other.layer != warning.layer or other.message != warning.message for other in kept
         ):
             far = of_layer[warning.layer]
-            names = ", ".join(name for name, _ in far[:NAMED_AT_MOST])
-            if len(far) > NAMED_AT_MOST:
-                names += f" and {len(far) - NAMED_AT_MOST} more"
+            names = some([name for name, _ in far], NAMED_AT_MOST)
             low, high = (pick((edges for _, edges in far), key=float) for pick in (min, max))
             kept.append(
                 SpherePropagationWarning(

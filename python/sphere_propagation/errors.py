@@ -15,7 +15,7 @@ SpherePropagationWarning        a result that deserves a look
 from __future__ import annotations
 
 import re
-from typing import Iterable
+from typing import Iterable, Sequence
 
 #: What to do about a fault (vcg_ext/base/fault.h) where surfaces are arrays, in place of what the
 #: plugin advises, which is for layers and menus: how its advice begins, and ours. All that comes
@@ -273,3 +273,9 @@ class FilterError(SpherePropagationError, RuntimeError):
     def __init__(self, filter: str, message: str):
         super().__init__(for_arrays(message))
         self.filter = filter
+
+
+def some(names: Sequence[str], most: int) -> str:
+    """Names in a message: the first of them, and how many more there are."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")

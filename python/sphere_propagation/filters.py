@@ -18,7 +18,7 @@ from typing import Dict, List, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import adapters, anchor_files, attention, layers, model_files, plugin
-from .errors import FilterError, InputError, SpherePropagationWarning
+from .errors import FilterError, InputError, SpherePropagationWarning, some
 from .model import ShapeModel
 from .parameters import (
     DEFAULTS,
@@ -486,10 +486,9 @@ def propagate(
         )
     if len(figures["parent"]) != len(surfaces):
         others = layers.without_map(meshes)
-        more = f" and {len(others) - LISTED} more" if len(others) > LISTED else ""
         raise FilterError(
             PROPAGATE,
-            f"Not taken for surfaces: {', '.join(others[:LISTED])}{more}. A mesh is none that is "
+            f"Not taken for surfaces: {some(others, LISTED)}. A mesh is none that is "
             "an icosphere's landmark mesh, lies on the unit sphere, or is called like a layer of a "
             "shape model: leave out what an earlier run has made.",
         )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
-from .. import attention, files
+from .. import attention, errors, files
 from ..errors import FileError, InputError
 from ..fitting import ANCHOR_FILES
 from .columns import COLUMNS
@@ -95,10 +95,8 @@ def _require_distinct(base: Path, found: Sequence[Subject]) -> None:
             seen[path] = subject.name
 
 
-def some(names: Sequence[str], most: int = 3) -> str:
-    """The first of them, and how many more there are."""
-    rest = len(names) - most
-    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
+def some(names: Sequence[str]) -> str:
+    return errors.some(names, 3)
 
 
 def counted(count: int, noun: str) -> str:
