@@ -4,10 +4,12 @@
 PyMeshLab, with every parameter of the filters as it comes, but for one column.
 
     groupwise.py [DATA] [NAME ...]
+    groupwise.py [DATA] --many N ...
 
     DATA    folder with classic and finch_skulls
             (default SPHERE_PROPAGATION_DATA, else ../shared/data)
     NAME    rows to print: bump, ellipsoids, skull, hippocampus, "other skull", head (default: all)
+    --many  what N shapes cost instead (warped hippocampi of 3000 vertices, of one mesh)
 
 Every shape is meshed anew, so that its vertices say nothing, with noise of a twentieth of the mean
 edge along the normals. The error is that of all ordered pairs (s, t): the mean distance, by area,
@@ -68,7 +70,7 @@ def ellipsoids(random):
     return Population([u * axis for axis in axes], faces)
 
 
-def warped(surface, modes, size, random):
+def warped(surface, modes, size, random, count=SHAPES):
     """A population with `modes` modes, each of two waves of space; size: the first mode's root mean
     square, in radii of gyration."""
     vertices, faces = surface
@@ -83,7 +85,7 @@ def warped(surface, modes, size, random):
             field += np.sin(x @ wave + 2 * np.pi * phase)[:, None] * direction
         rms = np.sqrt((field**2).sum(1).mean())
         fields.append(field / rms * size * radius * 0.75**mode)
-    moved = [vertices + sum(random.randn() * f for f in fields) for _ in range(SHAPES)]
+    moved = [vertices + sum(random.randn() * f for f in fields) for _ in range(count)]
     return Population(moved, faces)
 
 
@@ -149,11 +151,50 @@ def flips(measure, project):
     )
 
 
+def cost_of(project, name, **parameters):
+    """What a filter returns, and its CPU seconds."""
+    start = time.process_time()
+    returned = project.apply_filter(name, **parameters)
+    return returned, time.process_time() - start
+
+
+def print_costs(data, measure, counts):
+    """CPU seconds by number of shapes."""
+    vertex, faces = measure.read_ply(data / "classic/hippocampus.ply")
+    base = Population([measure.points(vertex)], faces)
+    x, faces = meshed(base, 0, 3000, np.random.RandomState(1), noise=0)
+    print(
+        "| shapes | root, the most central | Similarity tree | groupwise | Remesh by icosphere |\n"
+        "| --- | --- | --- | --- | --- |"
+    )
+    for count in map(int, counts):
+        shapes = warped((x, faces), 4, 0.15, np.random.RandomState(5), count).shapes
+        project = pymeshlab.MeshSet()
+        for shape in shapes:
+            project.add_mesh(pymeshlab.Mesh(shape, faces.astype(np.int32)))
+        root, first = cost_of(project, "compute_spherical_parameterisation_root", most_central=True)
+        others = [
+            cost_of(
+                project,
+                "transfer_spherical_parameterisation_to_layers",
+                order="Similarity tree",
+                root_layer=root["root_layer"],
+            ),
+            cost_of(project, "compute_spherical_parameterisation_groupwise"),
+            cost_of(project, "generate_icosphere_remeshing"),
+        ]
+        seconds = [first, *(s for _, s in others)]
+        print("| " + " | ".join([str(count), *(f"{s:.1f}" for s in seconds)]) + " |", flush=True)
+
+
 def main():
     names = sys.argv[1:]
     data = Path(names.pop(0)).resolve() if names and Path(names[0]).is_dir() else DATA
     measure, _ = yardstick(data)
     pymeshlab.load_plugin(str(PLUGIN))
+    if names[:1] == ["--many"]:
+        print_costs(data, measure, names[1:])
+        return
     made = populations(data, measure)
     print(
         "| shapes | propagated | groupwise | where they lie (`alignment` None) | flipped faces | "

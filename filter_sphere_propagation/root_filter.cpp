@@ -19,6 +19,7 @@
 #include "vcg_ext/mesh/sphere_fit.h"
 #include "vcg_ext/root_map/placed_root_map.h"
 #include "vcg_ext/root_map/root_map.h"
+#include "vcg_ext/sequence/similarity_tree.h"
 
 namespace sphere_propagation {
 namespace {
@@ -41,6 +42,7 @@ class RootFilter : public host::Filter {
         help_.parameter("anchor_positions",
                         host::Parameter::File{
                             "Places on the sphere (*.csv *.tsv *.txt *.json *.pp);;All files (*)"}),
+        help_.parameter("most_central", false).asAdvanced(),
         help_.parameter("threads", RootMapParameters{}.threads).asAdvanced()};
   }
 
@@ -50,13 +52,16 @@ class RootFilter : public host::Filter {
     parameters.initialMap = task.values.choice("initial_map", initialMaps);
     parameters.areaWeight = task.values.real("area_weight");
     parameters.threads = task.values.integer("threads");
-    const host::Layer layer = task.layers.current();
+    const bool central = task.values.flag("most_central");
+    const host::Layer layer =
+        central ? mostCentralLayer(task, parameters.threads) : task.layers.current();
     const MeshSurface mesh = layer.surface();
     const std::string positions = task.values.file("anchor_positions");
     Places places;  // before the long work
     if (!positions.empty()) places = readPlaces(task, layer, positions);
-    RootMapResult result = makeRootMap(mesh.surface, parameters,
-                                       part(task.progress, 0, positions.empty() ? 0.95 : 0.5));
+    RootMapResult result =
+        makeRootMap(mesh.surface, parameters,
+                    part(task.progress, central ? 0.25 : 0, positions.empty() ? 0.95 : 0.5));
     std::optional<Eigen::VectorXd> moved;
     if (!positions.empty()) moved = place(task, places, parameters, result);
     const auto storageNote = task.changes.setMap(layer, mesh, result.map);
@@ -65,14 +70,15 @@ class RootFilter : public host::Filter {
       task.sayOf(layer, messages::anotherStart, nameOf(result.used), result.failures);
     if (storageNote) task.tell(*storageNote);
     const double seconds = stopwatch.seconds();
-    if (const std::string note = largerLayer(task.layers); !note.empty())
+    if (const std::string note = central ? "" : largerLayer(task.layers); !note.empty())
       task.say(messages::betterRoot, layer.id(), note);
     if (const host::Message* note = sphereNote(layer, mesh.surface)) task.sayOf(layer, *note);
     task.log(describeMap(layer.label(), mesh.surface, measures) + ", " + shortNumber(seconds) +
              " s (" + nameOf(result.used) + " start, " + counted(result.levels, "level", "levels") +
              ", " + counted(result.steps, "step", "steps") + ")");
     task.say(messages::rootMade, layer.label());
-    host::Outputs outputs{{"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
+    host::Outputs outputs{{"root_layer", layer.id()},
+                          {"flipped_faces", static_cast<int>(measures.certificate.flippedFaces)},
                           {"area_ratio_sd", measures.areaRatioSd},
                           {"area_log_mean", measures.areaLogMean},
                           {"angle_error_mean", measures.angleErrorMean},
@@ -82,6 +88,19 @@ class RootFilter : public host::Filter {
   }
 
  private:
+  /// Of the visible surfaces.
+  static host::Layer mostCentralLayer(const host::Task& task, int threads) {
+    const std::vector<host::Layer> layers = task.layers.visibleSurfaces();
+    std::vector<ClosedSurface> surfaces;
+    for (const host::Layer& layer : layers) surfaces.push_back(layer.surface().surface);
+    ThreadPool pool(threads);
+    const Eigen::MatrixXd distances = shapeDistances(surfaces, pool);
+    const auto place = static_cast<size_t>(mostCentral(distances));
+    report(task.progress, 0.25);
+    task.say(messages::mostCentral, layers.size(), layers[place].label());
+    return layers[place];
+  }
+
   /// The layer's anchors and where they are to lie on the sphere.
   struct Places {
     AnchorSet anchors;  ///< those that have a place

@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import (
     conversion,
@@ -33,7 +33,7 @@ from . import (
 )
 from .errors import FileError, InputError, SpherePropagationError, SpherePropagationWarning
 from .flags import by_flags, option
-from .parameters import DEFAULTS, INITIAL_MAPS, CorrespondenceParameters, in_full
+from .parameters import DEFAULTS, INITIAL_MAPS, MOST_CENTRAL, CorrespondenceParameters, in_full
 from .results import require_apart, require_writable
 
 METHODS = {"robust": "Robust", "published": "As published"}
@@ -771,6 +771,16 @@ def _number(kind: type, minimum: float, maximum: float = inf) -> Callable[[str],
     return convert
 
 
+def _root(text: str) -> Union[int, str]:
+    """The number of a mesh, or MOST_CENTRAL."""
+    if text.lower().replace("-", " ") == MOST_CENTRAL:
+        return MOST_CENTRAL
+    try:
+        return _number(int, 0)(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(f"{error}, nor most-central") from None
+
+
 def _choice(
     parameter: str, names: Dict[str, str], words: str, default: str, *, fills: bool = True
 ) -> Dict[str, Any]:
@@ -870,9 +880,10 @@ def _add_choices(
     )
     add(
         "--root",
-        type=_number(int, 0),
+        type=_root,
         metavar="N",
-        help=f"number of the mesh that gets the first map, from 0 (default: {root})",
+        help="number of the mesh that gets the first map, from 0, or most-central: the mesh that "
+        f"is the most like all others (default: {root})",
     )
     add(
         "--method",

@@ -18,17 +18,20 @@ from .filters import (
     anchors_of,
     landmark_places,
     optimise_groupwise,
+    parameterise_most_central,
     parameterise_root,
     propagate,
     remesh,
 )
 from .parameters import (
     DEFAULTS,
+    MOST_CENTRAL,
     NAMED,
     AnchorPositions,
     Anchors,
     CorrespondenceParameters,
     Parents,
+    Root,
     in_full,
     parent_numbers,
     real_number,
@@ -81,7 +84,7 @@ class Correspondence:
 def correspond(
     surfaces: Sequence[SurfaceLike],
     *,
-    root: Optional[int] = DEFAULTS.root,
+    root: Root = DEFAULTS.root,
     method: str = DEFAULTS.method,
     order: str = DEFAULTS.order,
     frequency: int = DEFAULTS.frequency,
@@ -107,7 +110,8 @@ def correspond(
 
     surfaces: in order of time, in one coordinate frame and unit.
     root: index of the surface that gets the first map; default: the one of largest volume,
-    end-diastole of a heart cycle, and in the order Given the one whose parent is -1.
+    end-diastole of a heart cycle, and in the order Given the one whose parent is -1; "most
+    central": the one that is the most like all others, for shapes in no order.
     root_map: a map of it that exists already.
     mirror_layers: as of propagate; `surfaces` of the result are then those that have the maps.
     groupwise: whether all maps, the root's too, are optimised together before landmarks are made,
@@ -169,7 +173,19 @@ def _correspond(
         raise InputError("There is one surface: correspondence takes two or more.")
     parameters = checked(parameters, len(surfaces))
     root = largest(surfaces) if parameters.root is None else parameters.root
-    if root_map is None:
+    if root == MOST_CENTRAL:
+        if root_map is not None:
+            raise InputError("Which surface has root_map? Say it by root, a number.")
+        progress.begin(f"root map of the most central of {len(surfaces)} surfaces")
+        root, root_map = parameterise_most_central(
+            surfaces,
+            initial_map=parameters.initial_map,
+            area_weight=parameters.area_weight,
+            anchors=parameters.anchors,
+            anchor_positions=parameters.anchor_positions,
+        )
+        progress.done(_described(surfaces[root].name, root_map))
+    elif root_map is None:
         progress.begin(f"root map of {surfaces[root].name}")
         root_map = parameterise_root(
             surfaces[root],
@@ -178,10 +194,7 @@ def _correspond(
             anchors=_anchors_of_root(parameters.anchors, root),
             anchor_positions=parameters.anchor_positions,
         )
-        progress.done(
-            f"root map of {surfaces[root].name}: {root_map.figures['flipped_faces']} flipped "
-            f"faces, area ratio sd {root_map.figures['area_ratio_sd']:.4f}"
-        )
+        progress.done(_described(surfaces[root].name, root_map))
     elif parameters.anchor_positions is not None:
         raise InputError(
             "anchor_positions are for the map of the root that is made, not for one "
@@ -246,6 +259,13 @@ def _correspond(
         uncertainty=_at_landmarks(
             surfaces, maps, propagation.uncertainties, len(landmarks.points[0])
         ),
+    )
+
+
+def _described(name: str, root_map: SphereMap) -> str:
+    return (
+        f"root map of {name}: {root_map.figures['flipped_faces']} flipped faces, area ratio sd "
+        f"{root_map.figures['area_ratio_sd']:.4f}"
     )
 
 
@@ -341,8 +361,14 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
             f"frequency must lie between 1 and {max_frequency} for {count} surfaces, not at "
             f"{frequency}."
         )
-    root = None if parameters.root is None else whole_number("root", parameters.root)
-    if root is not None and not 0 <= root < count:
+    root = parameters.root
+    if isinstance(root, str):
+        root = root.replace("-", " ").lower()
+        if root != MOST_CENTRAL:
+            raise InputError(f"root must be a number or {MOST_CENTRAL!r}, not {parameters.root!r}.")
+    elif root is not None:
+        root = whole_number("root", root)
+    if isinstance(root, int) and not 0 <= root < count:
         raise InputError(
             f"Layer {root} cannot be the root: layers are numbered from 0 to {count - 1}."
         )

@@ -13,7 +13,7 @@ import csv
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Dict, List, Mapping, Optional, Sequence, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -321,24 +321,56 @@ def parameterise_root(
     Raises FilterError when the surface is not closed, has handles or several parts, and when its
     anchors cannot lie there.
     """
-    surface = as_surface(surface)
-    folder = str(anchors) if isinstance(anchors, (str, Path)) else ""
-    meshes = layers.mesh_set([surface], anchors=[{} if folder else _places(0, anchors)])
+    return _root_map(
+        [as_surface(surface)],
+        anchors if isinstance(anchors, (str, Path)) else [anchors],
+        anchor_positions,
+        initial_map=initial_map,
+        area_weight=area_weight,
+        threads=threads,
+    )[1]
+
+
+def parameterise_most_central(
+    surfaces: Sequence[SurfaceLike],
+    *,
+    initial_map: str = DEFAULTS.initial_map,
+    area_weight: float = DEFAULTS.area_weight,
+    anchors: Anchors = None,
+    anchor_positions: AnchorPositions = DEFAULTS.anchor_positions,
+    threads: int = 0,
+) -> Tuple[int, SphereMap]:
+    """Which surface is the most like all others (the medoid of their distances after rigid
+    alignment), and its map: a root for shapes in no order.
+
+    anchors: per surface, as of propagate. The others as of parameterise_root.
+    """
+    return _root_map(
+        as_surfaces(surfaces),
+        anchors,
+        anchor_positions,
+        most_central=True,
+        initial_map=initial_map,
+        area_weight=area_weight,
+        threads=threads,
+    )
+
+
+def _root_map(
+    surfaces: Sequence[Surface], anchors: Anchors, anchor_positions: AnchorPositions, **parameters
+) -> Tuple[int, SphereMap]:
+    """Of the first surface, or of the most central one."""
+    places, folder = anchors_of(anchors, len(surfaces))
+    meshes = layers.mesh_set(surfaces, anchors=places)
     if folder and anchor_positions is not None:
-        anchors_of(folder, 1)
-        anchor_files.require_points([anchor_files.file_in(folder, surface.name)])
+        names = distinct_names(surfaces)
+        anchor_files.require_points(anchor_files.file_in(folder, name) for name in names)
         layers.apply(meshes, LOAD, file_name=folder)
     with positions_file(anchor_positions) as positions:
-        figures = layers.apply(
-            meshes,
-            ROOT,
-            initial_map=initial_map,
-            area_weight=area_weight,
-            anchor_positions=positions,
-            threads=threads,
-        )
+        figures = layers.apply(meshes, ROOT, anchor_positions=positions, **parameters)
     figures.pop("anchor_moved", None)
-    return layers.map_of(meshes.mesh(0), figures)
+    root = figures.pop("root_layer")
+    return root, layers.map_of(meshes.mesh(root), figures)
 
 
 @contextlib.contextmanager

@@ -344,6 +344,7 @@ def run_phantom(
                 replace(parameters, method=method), surfaces, root_map, _Named(steps, name)
             )
             root_map = found[method].root_map
+            parameters = replace(parameters, root=found[method].root)
         steps.begin(f"{name}: comparing with the truth")
         truth = Ventricle(part, phases, seed)
         errors.append(

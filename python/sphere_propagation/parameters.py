@@ -75,6 +75,7 @@ FLAGS = (
     "keep_largest_component",
     "local_deviation",
     "mirror_layers",
+    "most_central",
     "orient",
     "remove_duplicate_faces",
     "remove_fins",
@@ -87,11 +88,17 @@ FLAGS = (
 )
 
 
+MOST_CENTRAL = "most central"  # the surface that is the most like all others
+
+# The number of a surface, MOST_CENTRAL, or None: the largest.
+Root = Union[None, int, str]
+
+
 @dataclass(frozen=True, eq=False)
 class CorrespondenceParameters:
     """What correspond() can be told beside its surfaces, where it says what each means."""
 
-    root: Optional[int] = None
+    root: Root = None
     method: str = "Robust"
     order: str = "Time"
     parents: Parents = ""

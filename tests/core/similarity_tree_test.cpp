@@ -79,6 +79,54 @@ TEST(ShapeDistances, OfTheSmallestMeshes) {
   EXPECT_EQ(shapeDistances(std::vector<ClosedSurface>(), pool).size(), 0);
 }
 
+TEST(ShapeDistances, OfManyCompareEachWithItsLikeAlone) {
+  std::vector<int> steps;  // 0 .. 29, shuffled
+  for (int i = 0; i < 30; ++i) steps.push_back(7 * i % 30);
+  const Sequence sequence = family(steps, true);
+  ShapeComparison few;
+  few.allPairsUpTo = 10;
+  few.sample = 4;
+  few.neighbours = 5;
+  const Eigen::MatrixXd all = shapeDistances(sequence, pool),
+                        some = shapeDistances(sequence, pool, few);
+  EXPECT_TRUE(all.allFinite());
+  int compared = 0;
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 30; ++j)
+      if (std::isfinite(some(i, j))) {
+        EXPECT_EQ(some(i, j), all(i, j)) << i << ", " << j;
+        ++compared;
+      }
+  EXPECT_EQ(some, some.transpose());
+  EXPECT_LE(compared, 30 * 2 * (4 + 5) + 30);
+  for (int j : {0, 7, 15, 22}) EXPECT_TRUE(some.col(j).allFinite()) << j;  // the sample
+  for (int root : {0, 11}) {
+    const PropagationTree tree = minimumSpanningTree(some, root);
+    for (int i = 0; i < 30; ++i)
+      if (i != root) {
+        EXPECT_EQ(std::abs(steps[i] - steps[tree.parent[i]]), 1) << i << " <- " << tree.parent[i];
+      }
+  }
+  // The middle of the family is 14 or 15; four of thirty say it nearly.
+  EXPECT_NEAR(steps[mostCentral(all)], 14.5, 1);
+  EXPECT_NEAR(steps[mostCentral(some)], 14.5, 4.5);
+}
+
+TEST(MostCentral, ByHand) {
+  Eigen::MatrixXd d(4, 4);
+  d << 0, 1, 4, 9,  //
+      1, 0, 2, 5,   //
+      4, 2, 0, 3,   //
+      9, 5, 3, 0;
+  EXPECT_EQ(mostCentral(d), 1);  // 14, 8, 9, 17
+  d(1, 3) = d(3, 1) = std::numeric_limits<double>::infinity();
+  // Only 0 and 2 were compared with all: means of the distances from these are 4, 1.5, 4, 6.
+  EXPECT_EQ(mostCentral(d), 1);
+  d(0, 1) = d(1, 0) = 8;  // now 4, 5, 4, 6
+  EXPECT_EQ(mostCentral(d), 0);
+  EXPECT_EQ(mostCentral(Eigen::MatrixXd::Zero(1, 1)), 0);
+}
+
 TEST(MinimumSpanningTree, ByHand) {
   Eigen::MatrixXd d(4, 4);
   d << 0, 1, 4, 9,  //
@@ -139,6 +187,16 @@ TEST(MinimumSpanningTree, RefusesWhatIsNone) {
   EXPECT_THROW(minimumSpanningTree(d, 0), ParameterError);
   d(1, 0) = d(0, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(minimumSpanningTree(d, 0), ParameterError);
+  const double none = std::numeric_limits<double>::infinity();
+  d << 0, 1, none, 1, 0, none, none, none, 0;
+  EXPECT_THROW(minimumSpanningTree(d, 0), ParameterError);  // nothing leads to the last
+}
+
+TEST(MinimumSpanningTree, GoesRoundWhatWasNotCompared) {
+  const double none = std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd d(3, 3);
+  d << 0, 5, none, 5, 0, 1, none, 1, 0;
+  EXPECT_EQ(minimumSpanningTree(d, 0).parent, (std::vector<int>{-1, 0, 1}));
 }
 
 TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
@@ -153,6 +211,33 @@ TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
         EXPECT_EQ(std::abs(steps[i] - steps[parent]), 1) << i << " <- " << parent;
       }
     }
+}
+
+TEST(SimilarityTree, OfManyIsNearlyTheShortest) {
+  test::Random random(11);
+  std::vector<ClosedSurface> surfaces;  // in no order, and on no line
+  for (int i = 0; i < 60; ++i) {
+    Mesh mesh = test::icosphereMesh(6);
+    mesh.vertices *=
+        Vector3(30 + 12 * random.uniform(), 18 + 6 * random.uniform(), 10 + 4 * random.uniform())
+            .asDiagonal();
+    surfaces.push_back(surfaceOf(mesh));
+  }
+  ShapeComparison few;
+  few.allPairsUpTo = 10;
+  few.sample = 10;
+  few.neighbours = 6;
+  const Eigen::MatrixXd all = shapeDistances(surfaces, pool);
+  const auto length = [&](const PropagationTree& tree) {
+    double sum = 0;
+    for (int i = 0; i < tree.size(); ++i)
+      if (i != tree.root()) sum += all(i, tree.parent[i]);
+    return sum;
+  };
+  const double shortest = length(minimumSpanningTree(all, 0)),
+               found = length(minimumSpanningTree(shapeDistances(surfaces, pool, few), 0));
+  EXPECT_GE(found, shortest);
+  EXPECT_LE(found, 1.05 * shortest);
 }
 
 TEST(SimilarityTree, OneLayerAndNone) {

@@ -52,6 +52,7 @@ PARAMETERS = {
         "initial_map": ["Automatic", "Brechbuehler", "Harmonic"],
         "area_weight": 0.9,
         "anchor_positions": "",
+        "most_central": False,
         "threads": 0,
     },
     LOAD: {"file_name": "", "coordinates": ["World", "Mesh"], "show_anchors": False},
@@ -145,7 +146,7 @@ RETURNED = {
         "opening_perimeter",
         "seconds",
     },
-    ROOT: set(FIGURES),
+    ROOT: {"root_layer", *FIGURES},
     LOAD: {"anchors"},
     PROPAGATE: {
         "parent",
@@ -242,6 +243,7 @@ def test_returned_keys(tour, name):
 def test_the_root_returns_numbers(tour):
     root = tour[1][ROOT]
     assert isinstance(root["flipped_faces"], int)
+    assert root["root_layer"] == 0
     assert all(isinstance(root[key], float) for key in FIGURES[1:])
 
 

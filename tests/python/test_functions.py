@@ -14,7 +14,7 @@ from sphere_propagation.surface import distinct_names
 # Function -> its filter, and the parameters of the filter that it does not have, with the reason.
 FUNCTIONS = {
     sp.read_label_volume: (filters.IMPORT, {"file_name"}),  # which comes first
-    sp.parameterise_root: (filters.ROOT, set()),
+    sp.parameterise_root: (filters.ROOT, {"most_central"}),  # of one surface
     sp.propagate: (
         filters.PROPAGATE,
         {"anchors", "anchor_files"},
@@ -267,6 +267,34 @@ def test_the_largest_is_the_root(cycle):
     mixed = [cycle.surfaces[i] for i in (2, 0, 3)]
     assert sp.correspond(mixed, frequency=2).root == 1
     assert sp.correspond(mixed, frequency=2, root=2).root == 2
+
+
+def family(steps):
+    """Tetrahedra that are longer by step."""
+    vertices, faces = tetrahedron()
+    return [
+        sp.Surface(vertices * [2 + 0.1 * step, 1.3, 1], faces, f"long {step}") for step in steps
+    ]
+
+
+def test_the_most_central_is_the_root_where_it_is_asked_for():
+    surfaces = family([9, 0, 5, 8, 1])  # the largest first
+    root, its_map = sp.parameterise_most_central(surfaces)
+    assert root == 2
+    assert np.array_equal(its_map.positions, sp.parameterise_root(surfaces[2]).positions)
+    found = sp.correspond(surfaces, root="Most-central", order="Star", frequency=2)
+    assert found.root == 2 and found.figures["parent"].tolist() == [2, 2, -1, 2, 2]
+    assert sp.correspond(surfaces, order="Star", frequency=2).root == 0
+
+
+def test_the_most_central_has_the_map_and_the_parents_no_other_root():
+    surfaces = family([0, 1, 2])
+    with pytest.raises(sp.InputError, match="must be a number or 'most central'"):
+        sp.correspond(surfaces, root="central")
+    with pytest.raises(sp.InputError, match="Which surface has root_map"):
+        sp.correspond(surfaces, root="most central", root_map=surfaces[0].vertices)
+    with pytest.raises(sp.InputError, match="parents say that layer 0 is"):
+        sp.correspond(surfaces, root="most central", order="Given", parents=[-1, 0, 1])
 
 
 def test_a_map_that_is_not_valid_is_reported(cycle):
