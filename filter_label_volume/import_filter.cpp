@@ -142,7 +142,7 @@ std::string describe(const VolumeSurface& s) {
 class ImportFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
+    return help_.describe(host::Menu::MeshCreation | host::Menu::Layer, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {

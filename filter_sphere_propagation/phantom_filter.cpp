@@ -17,7 +17,7 @@ constexpr host::Named<PhantomParameters::Part> parts[]{{"Cavity", PhantomParamet
 class PhantomFilter : public host::Filter {
  public:
   host::FilterDescription describe() const override {
-    return help_.describe(host::Menu::MeshCreation, host::Arity::None);
+    return help_.describe(host::Menu::MeshCreation | host::Menu::Layer, host::Arity::None);
   }
 
   std::vector<host::Parameter> parameters(const host::Layers&) const override {

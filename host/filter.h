@@ -19,8 +19,8 @@
 
 namespace sphere_propagation::host {
 
-/// Where MeshLab's menu shows a filter; several at once. In an empty project MeshLab disables what
-/// is in any other menu than MeshCreation, so what makes the first layers is in no other.
+/// Where MeshLab's menu shows a filter; several at once. What is in MeshCreation makes the first
+/// layers: the plugins keep it enabled in an empty project (host/window.h).
 enum class Menu {
   Remeshing = 1,
   Layer = 2,

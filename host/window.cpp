@@ -18,6 +18,12 @@ QWidget* findWindow() {
 
 }  // namespace
 
+void keepEnabled(QAction& action) {
+  QObject::connect(&action, &QAction::changed, &action, [&action] {
+    if (!action.isEnabled()) action.setEnabled(true);
+  });
+}
+
 bool hasWindow() { return findWindow() != nullptr; }
 
 void showEverything() {

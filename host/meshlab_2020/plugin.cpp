@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/messages.h"
+#include "host/window.h"
 
 namespace sphere_propagation::host {
 
@@ -20,8 +21,10 @@ Plugin::Plugin(const char* name, std::vector<std::unique_ptr<Filter>> filters,
   setProperty("messages", lines);
   for (int id = 0; id < filters_.size(); ++id) {
     typeList.push_back(id);
-    actionList.push_back(
-        new QAction(filterName(id), this));  // the host finds the plugin as an action's parent
+    // The host finds the plugin as an action's parent.
+    actionList.push_back(new QAction(filterName(id), this));
+    if ((filters_.description(id).menus & static_cast<int>(Menu::MeshCreation)) != 0)
+      keepEnabled(*actionList.back());
   }
 }
 

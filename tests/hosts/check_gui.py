@@ -25,7 +25,7 @@ from picking import pick
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
 PICTURES = Path(os.environ["GUI_PICTURES"])
 FILTERS = {  # menu entry -> menus that show it
-    "Beating ventricle phantom": {"Create New Mesh Layer"},
+    "Beating ventricle phantom": {"Create New Mesh Layer", "Mesh Layer"},
     "Spherical parameterise root": {"Remeshing, Simplification and Reconstruction", "Mesh Layer"},
     "Propagate parameterisation to layers": {
         "Remeshing, Simplification and Reconstruction",
@@ -132,14 +132,17 @@ def test_every_filter_is_in_its_menus(start, sample):
                 found.setdefault(entry["text"], set()).add(entry["menu"])
         assert set(found) == set(FILTERS)
         assert {name: menus & found[name] for name, menus in FILTERS.items()} == FILTERS
-        for name, menus in found.items():  # they stand together
-            assert ("Mesh Layer" in menus) == (name not in CREATING), name
+        entries = {(e["menu"], e["text"]) for e in gui.menus()}
+        ours = set(FILTERS) | ({IMPORT} if IMPORTS else set())
+        assert {("Mesh Layer", name) for name in ours} <= entries  # they stand together
 
 
 def test_an_empty_project_can_be_filled(start):
     with start() as gui:
-        enabled = {e["text"] for e in gui.menus() if e["enabled"]}
-        assert {name for name in CREATING if name == PHANTOM or IMPORTS} <= enabled
+        enabled = {(e["menu"], e["text"]) for e in gui.menus() if e["enabled"]}
+        creating = {name for name in CREATING if name == PHANTOM or IMPORTS}
+        assert {("Create New Mesh Layer", name) for name in creating} <= enabled
+        assert not {LAYOUT, ROOT} & {name for _, name in enabled}  # nothing there to work on
         gui.apply(PHANTOM, Phases="2")
         assert labels(gui) == ["phantom cavity 00", "phantom cavity 01"]
 
@@ -283,6 +286,17 @@ def test_from_a_label_volume_to_a_model(start):
             assert written["scores"].shape == (10, 9) and written["mean"].shape == (1002, 3)
 
 
+def test_anchors_are_shown(start, sample):
+    """In a window of its own: MeshLab draws the vertices of layers that were clicked in its layer
+    dialog, and of the one that was current before."""
+    with start(sample) as gui:
+        gui.fill_screen()
+        gui.apply(ANCHORS, File=str(sample.parent / "anchors"), Show_anchors=True)
+        gui.close_dialog()
+        gui.run(LAYOUT)
+        show(gui, "17-anchors")
+
+
 def test_anchors_by_clicks(start, sample):
     """Points picked on a layer lie beside its mesh, where they are found; those of the sample's
     folder are shown, and held."""
@@ -297,9 +311,6 @@ def test_anchors_by_clicks(start, sample):
         gui.close_dialog()
         balls = [p + " anchors" for p in PHASES]
         assert labels(gui) == PHASES + balls
-        gui.run(LAYOUT)
-        show(gui, "17-anchors")
-        gui.run(LAYOUT)
         gui.choose_layer(gui.layers()[0])  # which has a star now
         gui.apply(ROOT)
         gui.open_filter(PROPAGATE)

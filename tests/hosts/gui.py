@@ -42,7 +42,7 @@ name=\\"MeshLab::System::sendAnonymousData\\" description=\\"\\" tooltip=\\"\\"/
 _HELP = [f.read_text() for f in sorted(Path(__file__).parents[2].glob("filter_*/help/*.html"))]
 _TITLES = {text: re.search("<title>(.*)</title>", text) for text in _HELP}
 FILTERS = [title.group(1) for title in _TITLES.values() if title]
-# What makes the first layers; in an empty project MeshLab disables what is in more menus than one.
+# What makes the first layers, in an empty project too.
 CREATING = ["Beating ventricle phantom", "Import label volume as layers"]
 FILTERS_WITH_DIALOG = [t.group(1) for text, t in _TITLES.items() if t and "<dl>" in text]
 

@@ -48,8 +48,8 @@ def test_the_whole_job(meshlab, surfaces):
             ("Remeshing, Simplification and Reconstruction", REMESH),
             ("Quality Measure and Computations", EVALUATE),
             ("Mesh Layer", SPHERES),
-            ("Create New Mesh Layer", PHANTOM),
-            *(("Mesh Layer", name) for name in FILTERS if name not in CREATING),  # together
+            *(("Create New Mesh Layer", name) for name in CREATING),
+            *(("Mesh Layer", name) for name in FILTERS),  # together
         ]:
             assert (menu, name) in menus
 
@@ -83,8 +83,9 @@ def test_the_whole_job(meshlab, surfaces):
 
 def test_an_empty_project_can_be_filled(meshlab):
     with meshlab() as gui:
-        enabled = {e["text"] for e in gui.menus() if e["enabled"]}
-        assert set(CREATING) <= enabled
+        enabled = {(e["menu"], e["text"]) for e in gui.menus() if e["enabled"]}
+        assert {("Create New Mesh Layer", name) for name in CREATING} <= enabled
+        assert not {LAYOUT, ROOT} & {name for _, name in enabled}  # nothing there to work on
         added = gui.apply(PHANTOM, Phases="2")
         assert "Next: Spherical parameterise root." in added
         assert names(gui) == ["phantom cavity 00", "phantom cavity 01"]
