@@ -187,7 +187,10 @@ def _explore(options, make_progress) -> int:
         raise FileError(f"There is no folder {output.parent} to write {output.name} to.")
     require_writable(output.parent)
     page = explorer.explore(
-        options.model, unit=options.unit, modes=options.modes, cyclic=options.cyclic
+        options.model,
+        unit=options.unit,
+        modes=options.modes,
+        cyclic=options.order == ORDERS["cyclic"],
     )
     print(f"{page.about}\n{page.save(output)}: open it in a browser")
     return 0
@@ -230,6 +233,7 @@ def _morph(options, make_progress) -> int:
         along=options.along,
         closed=options.closed,
         mirror_layers=options.mirror_layers,
+        unit=options.unit,
     )
     print(f"\nIn {Path(options.output).resolve()}:")
     for what in files:
@@ -468,11 +472,16 @@ def parser() -> argparse.ArgumentParser:
         description="Writes meshes that MeshLab does not open (vtk, vtp, vtu, gii, FreeSurfer's "
         "lh.white and the like) as files that it does. Files in LPS are turned into RAS, which the "
         "new ones say (SPACE=RAS), so that 3D Slicer puts them in place.",
-        **_examples(("sphere-propagation convert lh.white heart.vtk --to plys", "two files")),
+        **_examples(("sphere-propagation convert lh.white heart.vtk -o plys", "two files")),
     )
     convert.add_argument("meshes", nargs="+", metavar="FILE", help="meshes, or folders of them")
     convert.add_argument(
-        "--to", metavar="FOLDER", help="where they go (default: each beside its file)"
+        "-o",
+        "--output",
+        "--to",
+        dest="to",
+        metavar="FOLDER",
+        help="where they go (default: each beside its file)",
     )
     convert.add_argument(
         "--format",
@@ -481,8 +490,11 @@ def parser() -> argparse.ArgumentParser:
         help="what is written (default: %(default)s)",
     )
     convert.add_argument(
+        "--coordinates",
         "--space",
+        dest="space",
         choices=["ras", "lps"],
+        type=str.lower,
         help="the frame of files that do not say theirs (default: ras, with a warning)",
     )
     convert.add_argument("--overwrite", action="store_true", help="replace files that are there")
@@ -493,7 +505,7 @@ def parser() -> argparse.ArgumentParser:
         help="a shape model on one page: sliders, distances as colours, landmarks to drag",
         description="Writes one HTML page, with everything inside, to explore a shape model.",
         **_examples(
-            ("sphere-propagation explore results/heart/model.npz --cyclic", "a heart cycle"),
+            ("sphere-propagation explore results/heart/model.npz --order cyclic", "a heart cycle"),
         ),
     )
     explore.add_argument("model", metavar="FILE", help="model.npz, as `run` leaves it")
@@ -511,7 +523,20 @@ def parser() -> argparse.ArgumentParser:
         help="how many of the first the page has, at most (default: %(default)s)",
     )
     explore.add_argument(
-        "--cyclic", action="store_true", help="the first shape follows the last, as in a heart"
+        "--order",
+        **_choice(
+            "order",
+            ORDERS,
+            "of the shapes, as `run` had it: cyclic, and the first follows the last, as in a heart",
+            ORDERS["time"],
+        ),
+    )
+    explore.add_argument(
+        "--cyclic",
+        dest="order",
+        action="store_const",
+        const=ORDERS["cyclic"],
+        help="the same as --order cyclic",
     )
     explore.add_argument(
         "--unit",
@@ -528,7 +553,7 @@ def parser() -> argparse.ArgumentParser:
         **_examples(
             ("sphere-propagation fit results/heart/model.npz new.ply", "one patient"),
             ("sphere-propagation fit model.npz patients -o fits", "a folder of them"),
-            ("sphere-propagation fit model.npz seg.nii.gz --label 2", "a segmentation"),
+            ("sphere-propagation fit model.npz seg.nii.gz --labels 2", "a segmentation"),
         ),
     )
     fit.add_argument(
@@ -540,8 +565,9 @@ def parser() -> argparse.ArgumentParser:
         "surfaces", nargs="+", metavar="FILE", help="meshes, label volumes, or folders of them"
     )
     fit.add_argument(
-        "--label",
         "--labels",
+        "--label",
+        dest="label",
         metavar="LIST",
         default="1",
         help='of label volumes: the label, or several to be united, as "1,2" (default: '
@@ -664,6 +690,13 @@ def parser() -> argparse.ArgumentParser:
         "--mirror-layers",
         action="store_true",
         help="reflect a mesh that is a mirror image of the others, a left bone among right ones",
+    )
+    morph.add_argument(
+        "--unit",
+        metavar="UNIT",
+        default=units.DEFAULT_UNIT,
+        help="of the meshes' coordinates, for what is said; nothing is converted (default: "
+        "%(default)s)",
     )
     morph.set_defaults(action=_morph)
 

@@ -40,14 +40,14 @@ def plan(paths: Sequence, folder: Optional[str], format: str, overwrite: bool) -
         if len(same) > 1:
             refused[source] = FileError(
                 f"{' and '.join(map(str, same))} would become one file, {target}: rename them, or "
-                "convert them one by one to other folders (--to)."
+                "convert them one by one to other folders (-o)."
             )
             continue
         if target.exists() and target.samefile(source):
-            raise FileError(f"{source} would be overwritten by itself: choose a folder (--to).")
+            raise FileError(f"{source} would be overwritten by itself: choose a folder (-o).")
         if target.exists() and not overwrite:
             raise FileError(
-                f"{target} exists: choose a folder (--to), or let it be replaced (--overwrite)."
+                f"{target} exists: choose a folder (-o), or let it be replaced (--overwrite)."
             )
         found.append(Job(source, target))
     require_apart(targets, *(job.target for job in found))
@@ -82,7 +82,7 @@ def convert(jobs: Sequence[Job], space: str, say: Callable[[str], None]) -> Dict
         others = f" (and {count_others(len(silent) - 1)})" if len(silent) > 1 else ""
         warn(
             f"{silent[0]}{others} does not say whether it is in RAS or LPS, and is taken to be in "
-            "RAS: --space lps for the other."
+            "RAS: --coordinates lps for the other."
         )
     return failed
 

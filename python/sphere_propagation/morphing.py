@@ -19,6 +19,7 @@ from .parameters import NAMED, path_of, real_number, whole_number
 from .results import ResultFolder, require_apart
 from .sphere_map import MapLike, SphereMap
 from .surface import Surface, SurfaceLike, as_surfaces, counted
+from .units import DEFAULT_UNIT, unit_named, volume_unit
 from .views import upright
 
 MORPH = "generate_morph"
@@ -172,10 +173,12 @@ def morph_files(
     say: Callable[[str], None],
     order: str,
     mirror_layers: bool = False,
+    unit: str = DEFAULT_UNIT,
     **choices,
 ) -> List[str]:
     """morph() for files, or folders of them, propagated before: the shapes as PLY files and, where
     pictures can be drawn, morph.gif. Returns what lies in the folder."""
+    per_unit, cubed = volume_unit(unit_named(unit))
     paths = mesh_files(*surfaces)
     if len(paths) < 2:
         raise InputError(f"A morph takes two surfaces at least, not {len(paths)}.")
@@ -184,7 +187,7 @@ def morph_files(
     results.require_folder()
     found = read_meshes(*paths)
     results.create()
-    result = correspond(found, order=order, mirror_layers=mirror_layers)
+    result = correspond(found, order=order, mirror_layers=mirror_layers, unit=unit)
     between = morph(result.surfaces, result.maps, **choices)
     for number, (surface, sphere) in enumerate(zip(between.surfaces, between.maps)):
         results.write(
@@ -193,12 +196,9 @@ def morph_files(
                 path, surface.vertices, surface.faces, colors=_colors(sphere)
             ),
         )
-    volumes = between.figures["volume"]
+    volumes = between.figures["volume"] / per_unit
     low, high = volumes.min(), volumes.max()
-    say(
-        f"{counted(between.surfaces, 'shape')}, volume {low:.3g} to {high:.3g} in the unit of the "
-        "surfaces, cubed"
-    )
+    say(f"{counted(between.surfaces, 'shape')}, volume {low:.3g} to {high:.3g} {cubed}")
     made = ["*.ply: the shapes, numbered in order of time"]
     missing = pictures.what_is_missing()
     if missing:

@@ -386,6 +386,7 @@ def test_choices_are_understood_as_the_filters_have_them_too():
         for word in (short, full, full.upper(), full.replace(" ", "-")):
             assert parse(["run", "x", "-o", "y", "--order", word]).order == full
             assert parse(["morph", "x", "--order", word]).order == full
+            assert parse(["explore", "x", "--order", word]).order == full
     for option, names in (("connectivity", command.CONNECTIVITIES), ("along", command.PATHS)):
         for short, full in names.items():
             for word in (short, full):
@@ -393,6 +394,13 @@ def test_choices_are_understood_as_the_filters_have_them_too():
     for word in ("as-it-lies", "As it lies", "AS IT LIES"):
         assert parse(["fit", "m", "x", "--pose", word]).pose == "as-it-lies"
     assert parse(["fit", "m", "x", "--alignment", "As the model"]).alignment == "as-the-model"
+    # And older names of options.
+    assert parse(["explore", "x", "--cyclic"]).order == command.ORDERS["cyclic"]
+    for word in ("--labels", "--label"):
+        assert parse(["fit", "m", "x", word, "2"]).label == "2"
+    for words in (["-o", "y", "--coordinates", "LPS"], ["--to", "y", "--space", "lps"]):
+        options = parse(["convert", "x", *words])
+        assert (options.to, options.space) == ("y", "lps")
 
 
 def test_an_option_that_there_is_not_is_looked_for_in_its_command(capsys):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-only
 """sp.morph and `sphere-propagation morph`: shapes between shapes, also as GIF."""
 
+import re
+
 import numpy as np
 import pytest
 import sphere_propagation as sp
@@ -60,7 +62,11 @@ def test_the_command_leaves_shapes_and_a_gif(cycle, tmp_path, capsys):
         "003_A_to_B_100.ply",
     ]
     assert (tmp_path / "out/morph.gif").exists() == (not pictures.what_is_missing())
-    assert "4 shapes" in capsys.readouterr().out
+    assert re.search(r"4 shapes, volume [\d.]+ to [\d.]+ ml\n", capsys.readouterr().out)
+    assert command.main([*words, "--steps", "1", "--unit", "px"]) == 0
+    assert re.search(r"volume \S+ to \S+ px³\n", capsys.readouterr().out)
+    assert command.main([*words, "--unit", "two words"]) == 2
+    assert "unit must be a short word" in capsys.readouterr().err
     assert command.main(["morph", str(tmp_path / "A.ply"), "-o", str(tmp_path / "out")]) == 2
     assert "two surfaces at least" in capsys.readouterr().err
 
