@@ -13,10 +13,11 @@ import numpy as np
 # First which of solid, triangle wires, edges and points; then for points, edges, wires and solid
 # which of position, vertex normal, face normal, vertex colour, face colour, two kinds of texture
 # and of index; then 17 + 15 switches, of which: visible, lit from one side; fixed colours for boxes
-# and wires, wires without shading, points smaller with distance.
+# and wires, wires without shading, points smaller with distance. Points have no position: with one
+# MeshLab 2025.07 draws them after the first filter.
 SHOWN = (
     "1000"
-    + "110100000"
+    + "010100000"
     + "000000000"
     + "000000000"
     + "110100010"

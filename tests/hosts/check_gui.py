@@ -286,17 +286,6 @@ def test_from_a_label_volume_to_a_model(start):
             assert written["scores"].shape == (10, 9) and written["mean"].shape == (1002, 3)
 
 
-def test_anchors_are_shown(start, sample):
-    """In a window of its own: MeshLab draws the vertices of layers that were clicked in its layer
-    dialog, and of the one that was current before."""
-    with start(sample) as gui:
-        gui.fill_screen()
-        gui.apply(ANCHORS, File=str(sample.parent / "anchors"), Show_anchors=True)
-        gui.close_dialog()
-        gui.run(LAYOUT)
-        show(gui, "17-anchors")
-
-
 def test_anchors_by_clicks(start, sample):
     """Points picked on a layer lie beside its mesh, where they are found; those of the sample's
     folder are shown, and held."""
@@ -311,6 +300,9 @@ def test_anchors_by_clicks(start, sample):
         gui.close_dialog()
         balls = [p + " anchors" for p in PHASES]
         assert labels(gui) == PHASES + balls
+        gui.run(LAYOUT)
+        show(gui, "17-anchors")
+        gui.run(LAYOUT)
         gui.choose_layer(gui.layers()[0])  # which has a star now
         gui.apply(ROOT)
         gui.open_filter(PROPAGATE)
