@@ -87,14 +87,15 @@ class AnchorFilter : public host::Filter {
     Eigen::VectorXd counts = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layers.size()));
     std::vector<std::string> without;
     bool any = false;
+    AnchorSources sources(task, frame);
     for (size_t i = 0; i < layers.size(); ++i) {
       const host::Layer& layer = layers[i];
       const std::string file = fromFolder ? anchorFileIn(given, layer) : given;
       AnchorSet anchors;
       if (!file.empty())
-        anchors = anchorsFrom(task, file, layer, frame);
+        anchors = sources.from(file, layer);
       else if (!fromFolder)
-        anchors = anchorsBeside(task, layer, frame);
+        anchors = sources.beside(layer);
       if (anchors.empty()) {
         without.push_back(layer.label());
         continue;
@@ -105,6 +106,7 @@ class AnchorFilter : public host::Filter {
       task.changes.setAnchors(layer, anchors);
       if (task.values.flag("show_anchors")) task.changes.addLayer(markersOf(layer, anchors));
     }
+    sources.sayWhichAsWritten();
     if (!any && fromFolder) throw host::Refusal(messages::noAnchorsInFolder, given);
     if (!any) task.say(messages::noAnchorsBeside, layers.size());
     if (any && !without.empty()) task.say(messages::layersWithoutAnchors, namesIn(without));

@@ -47,16 +47,17 @@ AnchorSet turnedRound(const AnchorSet& anchors) {
   return transformed(anchors, Eigen::Vector4d(-1, -1, 1, 1).asDiagonal().toDenseMatrix());
 }
 
+}  // namespace
+
 /// isAsked: whether the file was given; else what has little to do with the layer is left out.
-AnchorSet read(const host::Task& task, const std::string& file, const host::Layer& layer,
-               AnchorFrame frame, bool isAsked) {
+AnchorSet AnchorSources::read(const std::string& file, const host::Layer& layer, bool isAsked) {
   const AnchorList list = readAnchors(file);
   const Distances distances(layer);
-  AnchorSet anchors = inFrame(list.anchors, layer, frame);
+  AnchorSet anchors = inFrame(list.anchors, layer, frame_);
   int far = distances.farOnes(anchors);
   bool asWritten = false;
   if (list.fromLps && far > 0) {
-    AnchorSet other = inFrame(turnedRound(list.anchors), layer, frame);
+    AnchorSet other = inFrame(turnedRound(list.anchors), layer, frame_);
     if (const int farOther = distances.farOnes(other); farOther < far) {
       anchors = std::move(other);
       far = farOther;
@@ -64,34 +65,32 @@ AnchorSet read(const host::Task& task, const std::string& file, const host::Laye
     }
   }
   if (!isAsked && 2 * far > static_cast<int>(anchors.size())) {
-    task.sayOf(layer, messages::notItsAnchors, file, far, anchors.size());
+    task_.sayOf(layer, messages::notItsAnchors, file, far, anchors.size());
     return {};
   }
-  if (asWritten) task.say(messages::anchorsInLps, layer.label(), file);
-  task.say(messages::anchorsRead, layer.label(), anchors.size(), file);
+  if (asWritten) asWritten_.push_back(layer.label());
+  task_.say(messages::anchorsRead, layer.label(), anchors.size(), file);
   if (!list.undefined.empty())
-    task.say(messages::anchorsWithoutPlace, layer.label(), namesIn(list.undefined));
+    task_.say(messages::anchorsWithoutPlace, layer.label(), namesIn(list.undefined));
   if (!list.ambiguous.empty())
-    task.sayOf(layer, messages::anchorsTwice, namesIn(list.ambiguous), file);
+    task_.sayOf(layer, messages::anchorsTwice, namesIn(list.ambiguous), file);
   return anchors;
 }
 
-}  // namespace
-
-AnchorSet anchorsFrom(const host::Task& task, const std::string& file, const host::Layer& layer,
-                      AnchorFrame frame) {
-  return read(task, file, layer, frame, true);
-}
-
-AnchorSet anchorsBeside(const host::Task& task, const host::Layer& layer, AnchorFrame frame) {
+AnchorSet AnchorSources::beside(const host::Layer& layer) {
   for (const std::string& file : anchorFilesBeside(layer.fileName())) {
     try {
-      return read(task, file, layer, frame, false);
+      return read(file, layer, false);
     } catch (const AnchorError& error) {
-      task.sayOf(layer, messages::anchorsNotRead, host::sentence(error));
+      task_.sayOf(layer, messages::anchorsNotRead, host::sentence(error));
     }
   }
   return {};
+}
+
+void AnchorSources::sayWhichAsWritten() const {
+  if (!asWritten_.empty())
+    task_.sayNaming(asWritten_, messages::anchorsInLps, namesIn(asWritten_), asWritten_.size());
 }
 
 std::string anchorFileIn(const std::string& folder, const host::Layer& layer) {
@@ -106,16 +105,20 @@ bool isFolder(const std::string& path) {
   return std::filesystem::is_directory(std::filesystem::u8path(path), ignored);
 }
 
-int warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors) {
+void warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors) {
   const Distances distances(layer);
-  int far = 0;
+  std::vector<std::string> far;
+  std::vector<double> edges;
   for (const auto& [name, point] : anchors) {
-    const double edges = distances(point);
-    if (edges <= maxAnchorEdges) continue;
-    task.sayOf(layer, messages::anchorFarOff, name, edges);
-    ++far;
+    const double off = distances(point);
+    if (off <= maxAnchorEdges) continue;
+    far.push_back(name);
+    edges.push_back(off);
   }
-  return far;
+  if (far.size() == 1) task.sayOf(layer, messages::anchorFarOff, far[0], edges[0]);
+  if (far.size() < 2) return;
+  const auto [least, most] = std::minmax_element(edges.begin(), edges.end());
+  task.sayOf(layer, messages::anchorsFarOff, far.size(), namesIn(far), *least, *most);
 }
 
 }  // namespace sphere_propagation

@@ -28,15 +28,31 @@ enum class AnchorFrame {
   Mesh,   ///< that of the vertices as the mesh's file has them
 };
 
-/// Reads the anchors of a layer, and says what deserves to be known of the file. The layer's matrix
-/// applied. Places in LPS that lie on the layer as they are written, and not in RAS, are taken as
-/// they are written. Throws AnchorError.
-AnchorSet anchorsFrom(const host::Task& task, const std::string& file, const host::Layer& layer,
-                      AnchorFrame frame);
+/// Reads the anchors of layers, and says what deserves to be known of their files.
+class AnchorSources {
+ public:
+  AnchorSources(const host::Task& task, AnchorFrame frame) : task_(task), frame_(frame) {}
 
-/// The same for a file beside the layer's own, which nobody asked for: empty where there is none,
-/// where it is no file of anchors, or where most of them lie far off the layer.
-AnchorSet anchorsBeside(const host::Task& task, const host::Layer& layer, AnchorFrame frame);
+  /// The anchors of a layer, its matrix applied. Places in LPS that lie on the layer as they are
+  /// written, and not in RAS, are taken as they are written. Throws AnchorError.
+  AnchorSet from(const std::string& file, const host::Layer& layer) {
+    return read(file, layer, true);
+  }
+
+  /// The same for a file beside the layer's own, which nobody asked for: empty where there is none,
+  /// where it is no file of anchors, or where most of them lie far off the layer.
+  AnchorSet beside(const host::Layer& layer);
+
+  /// Says, when all are read, of which layers the places were taken as they are written.
+  void sayWhichAsWritten() const;
+
+ private:
+  AnchorSet read(const std::string& file, const host::Layer& layer, bool isAsked);
+
+  const host::Task& task_;
+  AnchorFrame frame_;
+  std::vector<std::string> asWritten_;  ///< layers
+};
 
 /// The file of a folder that is called as the layer's file or as the layer; empty where there is
 /// none.
@@ -44,7 +60,7 @@ std::string anchorFileIn(const std::string& folder, const host::Layer& layer);
 
 bool isFolder(const std::string& path);
 
-/// Names the anchors that lie far off their layer. Returns how many there are.
-int warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors);
+/// Names the anchors that lie far off their layer.
+void warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors);
 
 }  // namespace sphere_propagation

@@ -299,32 +299,47 @@ class PropagationFilter : public host::Filter {
     if (use == AnchorUse::Off) return {};
     const std::string folder = task.values.text("anchor_files");
     bool any = false, inFolder = false;
+    AnchorSources sources(task, AnchorFrame::World);
     for (size_t i = 0; i < found.size(); ++i) {
       const host::Layer& layer = participants.layers[i];
       const std::string file = folder.empty() ? "" : anchorFileIn(folder, layer);
       inFolder = inFolder || !file.empty();
       if (!file.empty())
-        found[i] = anchorsFrom(task, file, layer, AnchorFrame::World);
+        found[i] = sources.from(file, layer);
       else
         found[i] = layer.anchors();
-      if (file.empty() && found[i].empty())
-        found[i] = anchorsBeside(task, layer, AnchorFrame::World);
+      if (file.empty() && found[i].empty()) found[i] = sources.beside(layer);
       any = any || !found[i].empty();
     }
+    sources.sayWhichAsWritten();
     if (!folder.empty() && !inFolder) throw host::Refusal(messages::noAnchorsInFolder, folder);
     if (!any) return {};
     for (size_t i = 0; i < found.size(); ++i)
       warnOfFarAnchors(task, participants.layers[i], found[i]);
     const auto root = static_cast<size_t>(participants.root);
-    std::set<std::string> missing;
-    for (const AnchorSet& anchors : found)
-      for (const auto& [name, place] : anchors)
-        if (found[root].count(name) == 0) missing.insert(name);
-    if (!missing.empty())
-      task.sayOf(participants.layers[root], messages::anchorsNotOnRoot,
-                 namesIn({missing.begin(), missing.end()}));
+    warnOfForeign(task, participants.layers, found, root);
     if (found[root].empty()) return {};
     return found;
+  }
+
+  /// Names the anchors that the root lacks, and whose they are.
+  static void warnOfForeign(const host::Task& task, const std::vector<host::Layer>& layers,
+                            const std::vector<AnchorSet>& found, size_t root) {
+    std::set<std::string> missing;
+    std::vector<std::string> whose;
+    for (size_t i = 0; i < found.size(); ++i) {
+      const size_t before = whose.size();
+      for (const auto& [name, place] : found[i]) {
+        if (found[root].count(name) > 0) continue;
+        missing.insert(name);
+        if (whose.size() == before) whose.push_back(layers[i].label());
+      }
+    }
+    if (missing.empty()) return;
+    host::Remark remark = host::remarkOn(layers[root].label(), messages::anchorsNotOnRoot,
+                                         namesIn({missing.begin(), missing.end()}), namesIn(whose));
+    remark.layers.insert(remark.layers.end(), whose.begin(), whose.end());
+    task.tell(remark);
   }
 
   /// Moves the root's map until its anchors are landmarks. Returns their numbers, none where there

@@ -112,7 +112,11 @@ class RootFilter : public host::Filter {
                            const std::string& file) {
     const AnchorList wanted = readSpherePlaces(file);
     AnchorSet anchors = layer.anchors();
-    if (anchors.empty()) anchors = anchorsBeside(task, layer, AnchorFrame::World);
+    if (anchors.empty()) {
+      AnchorSources sources(task, AnchorFrame::World);
+      anchors = sources.beside(layer);
+      sources.sayWhichAsWritten();
+    }
     if (!wanted.ambiguous.empty())
       task.sayOf(layer, messages::anchorsTwice, namesIn(wanted.ambiguous), file);
     Places places;

@@ -126,13 +126,13 @@ struct Shapes {
 
 /// Of a landmark layer: its own, those of the surface that it was made of, or, where they are asked
 /// for, in files beside either.
-AnchorSet anchorsOf(const host::Task& task, const host::Layer& layer, const host::Layer* surface,
+AnchorSet anchorsOf(AnchorSources& sources, const host::Layer& layer, const host::Layer* surface,
                     bool inFiles) {
   AnchorSet anchors = layer.anchors();
   if (anchors.empty() && surface) anchors = surface->anchors();
   if (!inFiles) return anchors;
-  if (anchors.empty() && surface) anchors = anchorsBeside(task, *surface, AnchorFrame::World);
-  if (anchors.empty()) anchors = anchorsBeside(task, layer, AnchorFrame::World);
+  if (anchors.empty() && surface) anchors = sources.beside(*surface);
+  if (anchors.empty()) anchors = sources.beside(layer);
   return anchors;
 }
 
@@ -141,9 +141,11 @@ std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<host:
   const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
   const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
   std::vector<AnchorSet> anchors;
+  AnchorSources files(task, AnchorFrame::World);
   for (size_t i = 0; i < layers.size(); ++i)
     anchors.push_back(
-        anchorsOf(task, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr, inFiles));
+        anchorsOf(files, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr, inFiles));
+  files.sayWhichAsWritten();
   return anchors;
 }
 

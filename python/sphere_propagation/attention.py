@@ -5,7 +5,6 @@ at the line of the user's that called this package."""
 from __future__ import annotations
 
 import json
-import re
 import sys
 import warnings
 from contextlib import contextmanager
@@ -13,7 +12,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Tuple, Union
 
-from .errors import MESSAGES_FOR_ARRAYS, SpherePropagationWarning, for_arrays, some
+from .errors import MESSAGES_FOR_ARRAYS, SpherePropagationWarning, for_arrays
 
 PACKAGE = str(Path(__file__).parent)
 #: Names of messages that say the same of a surface and of its landmarks.
@@ -30,10 +29,6 @@ ALIKE = (
         "halfOfShapesLarger",
     },
 )
-FAR_ANCHOR = re.compile(
-    r'its anchor "(.*)" lies (\d[\d.]*(?:e[+-]?\d+)?|inf) edge lengths off,.*', re.S
-)
-NAMED_AT_MOST = 10
 KEY = "warnings"  # of what a filter returns (host/warnings.h)
 
 _collecting: ContextVar[Tuple[List[SpherePropagationWarning], ...]] = ContextVar(
@@ -66,8 +61,7 @@ def warnings_of(returned: Mapping[str, Any], notes: bool = False) -> List[Sphere
 def pass_on(returned: Dict[str, Any]) -> None:
     """Takes the warnings out of what a filter returned, and issues them; and notes that noting()
     asks for, each text once."""
-    found = _without_repetition(warnings_of(returned, notes=True))
-    for warning in map(_in_words_of_arrays, found):
+    for warning in map(_in_words_of_arrays, warnings_of(returned, notes=True)):
         if (
             warning.kind != "Note"
             or warning.message in _noted.get()
@@ -77,36 +71,6 @@ def pass_on(returned: Dict[str, Any]) -> None:
         ):
             warn(warning)
     returned.pop(KEY, None)
-
-
-def _without_repetition(found: List[SpherePropagationWarning]) -> List[SpherePropagationWarning]:
-    """With one warning a layer of anchors that lie off it, where the filter has one an anchor."""
-    of_layer: Dict[str, List[Tuple[str, ...]]] = {}
-    for warning in found:
-        parts = FAR_ANCHOR.fullmatch(warning.said) if warning.message == "anchorFarOff" else None
-        if parts:
-            of_layer.setdefault(warning.layer, []).append(parts.groups())
-    kept = []
-    for warning in found:
-        if warning.message != "anchorFarOff" or len(of_layer.get(warning.layer, ())) < 2:
-            kept.append(warning)
-        elif all(
-            other.layer != warning.layer or other.message != warning.message for other in kept
-        ):
-            far = of_layer[warning.layer]
-            names = some([name for name, _ in far], NAMED_AT_MOST)
-            low, high = (pick((edges for _, edges in far), key=float) for pick in (min, max))
-            kept.append(
-                SpherePropagationWarning(
-                    f"{warning.subject}: {len(far)} of its anchors ({names}) lie {low} to {high} "
-                    "edge lengths off, so they may be another layer's, in another frame or in "
-                    "another unit.",
-                    layers=warning.layers,
-                    message=warning.message,
-                    subject=warning.subject,
-                )
-            )
-    return kept
 
 
 def _in_words_of_arrays(warning: SpherePropagationWarning) -> SpherePropagationWarning:

@@ -46,7 +46,8 @@ FORMATS = ("svg", "pdf")  # of pictures; png is always there
 
 # Notes of the import that matter where several label volumes are read.
 OF_SEVERAL = ("handlesElsewhere",)
-ALWAYS_NOTED = ("slicesAligned",)  # what was changed on request is reported
+# What was changed on request, and how files were read that can be read in two ways.
+ALWAYS_NOTED = ("slicesAligned", "anchorsInLps")
 
 
 @dataclass(frozen=True)

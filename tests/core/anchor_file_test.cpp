@@ -98,6 +98,15 @@ TEST_F(AnchorFile, ReadsMarkupsOfSlicerInRas) {
   }
   for (const char* ras : {R"("coordinateSystem": "RAS", )", R"("coordinateSystem": 0, )"})
     EXPECT_EQ(read("a.json", file(ras)).anchors, (AnchorSet{{"apex", Vector3(1, 2, -3.5)}})) << ras;
+  // Of lists in both frames not all can be turned round again.
+  const std::string list = R"({"coordinateSystem": ")", points = R"(", "controlPoints": [)";
+  const auto both = [&](const std::string& first, const std::string& second) {
+    return R"({"markups": [)" + list + first + points + point + "]}, " + list + second + points +
+           "]}]}";
+  };
+  EXPECT_FALSE(read("a.json", both("LPS", "RAS")).fromLps);
+  EXPECT_FALSE(read("a.json", both("RAS", "LPS")).fromLps);
+  EXPECT_TRUE(read("a.json", both("LPS", "LPS")).fromLps);
   const Finding frame = refusal("a.mrk.json", file(R"("coordinateSystem": "IJK", )"));
   EXPECT_EQ(frame.fault, Fault::AnchorFrame);
   EXPECT_EQ(frame.other, "IJK");
@@ -176,6 +185,9 @@ TEST_F(AnchorFile, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(refusal("a", "").fault, Fault::AnchorFileUnknown);
   EXPECT_THROW(readAnchors((folder_ / "none.csv").u8string()), AnchorError);
   EXPECT_THROW(readAnchors(folder_.u8string() + ".csv"), AnchorError);
+  for (const char* none : {"", "# a comment\n", "name,x,y,z\n"})
+    EXPECT_EQ(refusal("a.csv", none).fault, Fault::NoAnchors) << none;
+  EXPECT_THROW(readSpherePlaces(written("a.csv", "name,lon,lat\n")), AnchorError);
   const Finding json = refusal("a.json", "[\n{\"id\": \"a\",,}\n]");
   EXPECT_EQ(json.fault, Fault::AnchorFileSyntax);
   EXPECT_EQ(json.first, 2);

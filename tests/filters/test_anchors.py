@@ -114,6 +114,11 @@ def test_what_is_wrong_with_anchors_is_named(tmp_path):
     said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "far.csv")))
     assert [(r["message"], r["layer"]) for r in said] == [("anchorFarOff", "phantom cavity 00")]
     assert '"far"' in said[0]["text"]
+    far = {name: point + 300 for name, point in points.items()}
+    table(tmp_path / "far.csv", {**points, **{f"far {name}": p for name, p in far.items()}})
+    said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "far.csv")))
+    assert [(r["message"], r["layer"]) for r in said] == [("anchorsFarOff", "phantom cavity 00")]
+    assert said[0]["text"].startswith('3 of its anchors ("far apex", "far base", "far left side")')
     (tmp_path / "twice.csv").write_text("a,1,2,3\na,3,4,5\n")
     said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "twice.csv")))
     assert [r["message"] for r in said] == ["anchorsTwice"]
@@ -122,6 +127,10 @@ def test_what_is_wrong_with_anchors_is_named(tmp_path):
         ("bad.json", "{", "line"),
         ("bad.pp", "<a/>", "holds none"),
         ("bad.ply", "ply", "its ending tells no format"),
+        ("no_row.csv", "# made for later\nname,x,y,z\n", "holds none"),
+        ("no_point.pp", "<!DOCTYPE P>\n<PickedPoints></PickedPoints>", "holds none"),
+        ("no_point.fcsv", "# Markups fiducial file version = 4.11\n", "holds none"),
+        ("no_point.mrk.json", '{"markups": [{"controlPoints": []}]}', "holds none"),
     ):
         (tmp_path / name).write_text(text)
         with pytest.raises(pymeshlab.PyMeshLabException, match=words):
@@ -142,7 +151,9 @@ def test_places_in_lps_are_turned_round_unless_the_surface_is_there(tmp_path):
         ]
         text = json.dumps({"markups": [{"coordinateSystem": "LPS", "controlPoints": points}]})
         (tmp_path / "a.mrk.json").write_text(text)
-        assert "warnings" not in ms.apply_filter(LOAD, file_name=str(tmp_path / "a.mrk.json"))
+        said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "a.mrk.json")))
+        as_written = [("Note", "anchorsInLps", ["egg"])] if sign[0] == 1 else []
+        assert [(r["kind"], r["message"], r["layers"]) for r in said] == as_written
         assert np.allclose(anchor(mesh), places(mesh)["apex"])
 
 
@@ -230,7 +241,10 @@ def test_propagation_looks_beside_the_meshes_and_into_a_folder(tmp_path):
         table(tmp_path / f"given/phase_{i}.csv", {"one": places(ms.mesh(i))["apex"]})
     returned = ms.apply_filter(PROPAGATE, anchor_files=str(tmp_path / "given"))
     assert bytes(map(int, returned["anchor_names"])) == b"one"
-    assert [r["message"] for r in remarks(returned)].count("anchorsNotOnRoot") == 1
+    (said,) = (r for r in remarks(returned) if r["message"] == "anchorsNotOnRoot")
+    root, other = (ms.mesh(i).label() for i in (0, 2))
+    assert said["layers"] == [root, other] and said["subject"] == root
+    assert said["text"].startswith(f'the anchors "apex", "base", "left side" of "{other}" are not')
 
 
 def test_names_that_are_exchanged_are_refused_or_named():

@@ -180,9 +180,11 @@ std::vector<std::string> textsIn(const Tree& list) {
 AnchorList readMarkups(const Reader& file, const Tree& lists) {
   AnchorList list;
   size_t number = 0;
+  bool allLps = true;
   for (const auto& [key, markups] : lists) {
     const std::string system = textOf(markups, "coordinateSystem");
     list.fromLps = system.empty() || file.isLps(system);
+    allLps = allLps && list.fromLps;
     const auto points = markups.get_child_optional("controlPoints");
     if (!points) continue;
     for (const auto& [ignored, point] : *points) {
@@ -194,6 +196,7 @@ AnchorList readMarkups(const Reader& file, const Tree& lists) {
                status.empty() || status == "defined");
     }
   }
+  list.fromLps = allLps;
   return list;
 }
 
@@ -415,7 +418,9 @@ bool isFile(const std::filesystem::path& path) {
 
 }  // namespace
 
-AnchorList readAnchors(const std::string& file) {
+namespace {
+
+AnchorList readByEnding(const std::string& file) {
   const std::string name = lower(file);
   const auto isOf = [&](const std::string& ending) { return endsWith(name, ending); };
   if (isOf(".pp")) return readPickPoints(Reader(file));
@@ -425,11 +430,23 @@ AnchorList readAnchors(const std::string& file) {
   throw AnchorError(Finding(Fault::AnchorFileUnknown, file));
 }
 
+/// A file that was written before a point was placed must not pass for one that says something.
+AnchorList unlessEmpty(AnchorList list, const std::string& file) {
+  if (list.anchors.empty() && list.undefined.empty() && list.ambiguous.empty())
+    throw AnchorError(Finding(Fault::NoAnchors, file));
+  return list;
+}
+
+}  // namespace
+
+AnchorList readAnchors(const std::string& file) { return unlessEmpty(readByEnding(file), file); }
+
 AnchorList readSpherePlaces(const std::string& file) {
   const std::string name = lower(file);
   if (std::any_of(tableEndings.begin(), tableEndings.end(),
                   [&](const std::string& ending) { return endsWith(name, ending); }))
-    if (std::optional<AnchorList> list = readLongitudes(Reader(file))) return std::move(*list);
+    if (std::optional<AnchorList> list = readLongitudes(Reader(file)))
+      return unlessEmpty(std::move(*list), file);
   AnchorList list = readAnchors(file);
   for (auto& [anchor, place] : list.anchors) {
     requireRange("length of the direction of \"" + anchor + "\"", place.norm(), Range::above(0));

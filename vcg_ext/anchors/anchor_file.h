@@ -23,7 +23,8 @@
 namespace sphere_propagation {
 
 /// Reads a file. Places that the file has in LPS are returned in RAS. Throws AnchorError, which
-/// says what is wrong and where.
+/// says what is wrong and where; also of a file that holds no point, not even one without a
+/// place.
 AnchorList readAnchors(const std::string& file);
 
 /// Places on the sphere, by name: a table with columns name, longitude and latitude (degrees; lon
