@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-only
 """Prints what the filter "Remesh by icosphere" costs as a whole, through PyMeshLab: reading the
-layers, certifying their maps, landmarks, distances, writing the new layers.
+layers, certifying their maps, landmarks, distances, writing the new layers; and how far landmark
+meshes are from the phantom's surfaces, by their number (the table of docs/remeshing.md).
 
     remeshing.py [DATA]
 
@@ -19,6 +20,7 @@ from main_job import load_layers
 from setting import PLUGIN, given_data
 
 VERTICES = 3500  # what the paper's layers have, about
+FREQUENCIES = (5, 10, 20, 40)
 
 
 def mapped(files, vertices):
@@ -48,6 +50,22 @@ def cost(project, threads):
     return [min(run[i] for run in runs) for i in (0, 1)]
 
 
+def mapped_phantom(part):
+    project = pymeshlab.MeshSet()
+    project.apply_filter("create_ventricle_phantom", part=part)
+    project.set_current_mesh(0)
+    project.apply_filter("compute_spherical_parameterisation_root")
+    project.apply_filter("transfer_spherical_parameterisation_to_layers", order="Cyclic time")
+    return project
+
+
+def distances(project, frequency):
+    """Of landmark meshes from their surfaces, mm: the mean over all layers, and the largest."""
+    figures = project.apply_filter("generate_icosphere_remeshing", frequency=frequency)
+    mean, largest = figures["surface_distance_mean"].mean(), figures["surface_distance_max"].max()
+    return f"{mean:.2f} / {largest:.2f}"
+
+
 def main():
     data = given_data()
     pymeshlab.load_plugin(str(PLUGIN))
@@ -68,6 +86,13 @@ def main():
             print(
                 "| " + " | ".join([name, str(len(files)), f"{mean:.0f}", *cells]) + " |", flush=True
             )
+    print("\n| landmarks | cavity, mean / largest (mm) | wall, mean / largest (mm) |")
+    print("| --- | --- | --- |")
+    projects = [mapped_phantom(part) for part in ("Cavity", "Wall")]
+    for frequency in FREQUENCIES:
+        landmarks = f"{10 * frequency**2 + 2} (`frequency` {frequency})"
+        cells = [distances(project, frequency) for project in projects]
+        print("| " + " | ".join([landmarks, *cells]) + " |", flush=True)
 
 
 if __name__ == "__main__":
