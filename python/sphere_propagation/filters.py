@@ -671,7 +671,7 @@ def optimise_groupwise(
     frequency: int = 7,
     threads: int = 0,
 ) -> Optimisation:
-    """The maps of shapes in no order, moved until one model of shape explains all of them together.
+    """The maps of shapes in no order, moved until one shape model explains all of them together.
 
     surfaces, maps: two or more, with maps that correspond roughly, as propagate gives them.
     alignment: what is taken out of the shapes before they are compared: Rigid, Similarity or None.
