@@ -129,6 +129,53 @@ TEST(Mirroring, InAnotherUnitItIsFoundAsWell) {
   EXPECT_TRUE(reflectMirrorImages(surfaces, {}, 0, pool).sides[2].mirrored);
 }
 
+/// A subject: an ellipsoid with bumps of its own at random places, and those of the hand where the
+/// shape is to have a side.
+ClosedSurface subject(int seed, double side, bool mirrored = false) {
+  test::Random random(static_cast<unsigned>(seed));
+  test::Mesh mesh =
+      test::transformed(test::icosphereMesh(9), test::randomRotation(seed), 1, Vector3::Zero());
+  Points own(4, 3);
+  Eigen::Vector4d heights;
+  for (int k = 0; k < 4; ++k) {
+    own.row(k) = random.direction().transpose();
+    heights[k] = 0.12 * random.normal();
+  }
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 d = mesh.vertices.row(v).transpose();
+    double height = 1 + side * (0.5 * std::exp(-4 * (d - Vector3(0.6, 0.64, 0.48)).squaredNorm()) +
+                                0.4 * std::exp(-6 * (d - Vector3(-0.48, 0.6, 0.64)).squaredNorm()));
+    for (int k = 0; k < 4; ++k)
+      height += heights[k] * std::exp(-4 * (d - own.row(k).transpose()).squaredNorm());
+    mesh.vertices.row(v) *= height;
+  }
+  mesh.vertices *= Vector3(40, 30, 22).asDiagonal();
+  return surfaceOf(mirrored ? test::mirrored(mesh) : mesh);
+}
+
+std::string foundOfSubjects(int firstSeed, double side, int mirrored, int count = 8) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < count; ++i) surfaces.push_back(subject(firstSeed + i, side, i == mirrored));
+  std::string answer;
+  for (const SurfaceSide& found : findSides(surfaces, star(count, 0), pool))
+    answer += found.mirrored ? 'm' : found.inDoubt ? '!' : '-';
+  return answer;
+}
+
+TEST(Mirroring, OfSubjectsWithAnAsymmetryOfTheirOwnNoneIsCalledMirrored) {
+  for (const int seed : {0, 100, 200, 300}) {
+    EXPECT_EQ(foundOfSubjects(seed, 0, -1), "--------") << seed;
+    EXPECT_EQ(foundOfSubjects(seed, 0, 3), "--------") << seed;  // nobody could tell
+  }
+}
+
+TEST(Mirroring, OfSubjectsWithASideTheMirroredOneIsFound) {
+  for (const int seed : {0, 100, 200, 300}) {
+    EXPECT_EQ(foundOfSubjects(seed, 1, -1), "--------") << seed;
+    EXPECT_EQ(foundOfSubjects(seed, 1, 3), "---m----") << seed;
+  }
+}
+
 /// Evidence of pairs, given below the diagonal.
 Eigen::MatrixXd evidenceOf(int count, const std::vector<double>& below) {
   Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count);

@@ -21,7 +21,7 @@ from documents import (
     refused,
     snapshot,
 )
-from environment import files_of
+from environment import DATA, files_of, require
 from surfaces import egg
 
 
@@ -249,6 +249,51 @@ def test_phantoms_that_are_nearly_their_own_mirror_images(part, phases, order, m
     assert np.flatnonzero(figures["mirrored"]).tolist() == mirror
     assert named(figures) == []
     assert named(ms.apply_filter(PROPAGATE, order=order)) == []
+
+
+def subjects(part, seeds, mirror=()):
+    """Ventricles of different subjects, each with an asymmetry of its own."""
+    shapes = []
+    for seed in seeds:
+        ms = pymeshlab.MeshSet()
+        voxel_size = 3 if part == "Cavity" else 4
+        ms.apply_filter(
+            "create_ventricle_phantom", phases=1, voxel_size=voxel_size, part=part, seed=seed
+        )
+        shapes.append((ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()))
+    return project([mirrored(*s) if i in mirror else s for i, s in enumerate(shapes)])
+
+
+@pytest.mark.parametrize("part", ["Cavity", "Wall"])
+@pytest.mark.parametrize("first", [0, 16, 72])
+@pytest.mark.parametrize("mirror", [[], [3]])
+def test_ventricles_of_different_subjects_have_no_side(part, first, mirror):
+    """Seen from any of them about half of the others look mirrored: nobody can tell."""
+    ms = subjects(part, range(first, first + 8), mirror)
+    assert named(ms.apply_filter(PROPAGATE, order="Star")) == []
+    assert not ms.apply_filter(PROPAGATE, order="Star", mirror_layers=True)["mirrored"].any()
+
+
+@pytest.mark.parametrize("mirror", [[], [3], [2, 5]])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_of_different_subjects_with_a_side_the_mirrored_are_named(seed, mirror):
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(require(DATA / "classic/hippocampus.ply")))
+    v, f = ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()
+    random = np.random.default_rng(seed)
+    x = (v - v.mean(0)) / np.sqrt(((v - v.mean(0)) ** 2).sum(1).mean())
+    waves = [(random.normal(size=3), random.normal(size=3), 6 * random.random()) for _ in range(4)]
+    shapes = []
+    for i in range(8):
+        warp = sum(
+            random.normal() * np.sin(1.6 * x @ wave + shift)[:, None] * way
+            for wave, way, shift in waves
+        )
+        warp *= 0.15 * np.ptp(v) / 5 / np.sqrt((warp**2).sum(1).mean())
+        shapes.append(mirrored(v + warp, f) if i in mirror else (v + warp, f))
+    ms = project(shapes)
+    expected = [("mirrorImage", f"shape {i}") for i in mirror]
+    assert named(ms.apply_filter(PROPAGATE, order="Star")) == expected
 
 
 def test_a_root_that_is_the_odd_one_is_said_to_be():

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "vcg_ext/base/statistics.h"
 #include "vcg_ext/registration/chirality.h"
 #include "vcg_ext/registration/shape_alignment.h"
 #include "vcg_ext/sequence/surface_sizes.h"
@@ -17,6 +18,13 @@ constexpr double meshNoise = 0.003, halfAsGood = 0.05, recognisable = 0.25;  // 
 constexpr double mostEvidence = 1, noEvidence = 0.05;
 constexpr double usual = 0.15, certain = 0.5;
 constexpr int rounds = 3, pairsPerRound = 2;
+constexpr int nearest = 6;  // the most alike that each surface is compared with in the end
+// By how much the nearest image lies farther off than the nearest surface, as a logarithm; of the
+// median this and the part of the surfaces that would be mirrored, within these bounds.
+constexpr double hasSide = 0.1, leastForSide = 0.2, mostForSide = 0.5;
+constexpr double tellsAgainst = 0.08, tellsAlone = 0.5;
+constexpr int enoughOfOne = 8;   // layers
+constexpr double slowly = 0.3;   // part of what layers in any order would do
 constexpr int exactLayers = 16;  // 2^15 choices of sides
 
 /// How a surface comes to lie on the root: itself and its mirror image.
@@ -24,8 +32,13 @@ struct Poses {
   Isometry itself, image;
 };
 
-double evidenceOf(const PreparedSurface& from, const PreparedSurface& to, const Poses& fromPoses,
-                  const Poses& toPoses) {
+/// Of a pair, in the radius of the second one.
+struct Distances {
+  double itself = HUGE_VAL, image = HUGE_VAL;
+};
+
+Distances distancesOf(const PreparedSurface& from, const PreparedSurface& to,
+                      const Poses& fromPoses, const Poses& toPoses) {
   const Isometry back = toPoses.itself.inverse(), backFromImage = toPoses.image.inverse();
   std::vector<Isometry> proper{{}, back * fromPoses.itself, backFromImage * fromPoses.image};
   std::vector<Isometry> mirroring{back * fromPoses.image, backFromImage * fromPoses.itself};
@@ -41,10 +54,15 @@ double evidenceOf(const PreparedSurface& from, const PreparedSurface& to, const 
       from, to,
       {better * fromPoses.itself.inverse() * fromPoses.image, back * toPoses.image * better});
   if (again.distance < worse.distance) worse = again;
-  const double least = std::min(itself.distance, image.distance);
+  return {itself.distance, image.distance};
+}
+
+double evidenceOf(const Distances& distances, const PreparedSurface& from,
+                  const PreparedSurface& to) {
+  const double least = std::min(distances.itself, distances.image);
   if (least * to.radius() > recognisable * std::min(from.radius(), to.radius())) return 0;
   const double ratio =
-      std::hypot(image.distance, meshNoise) / std::hypot(itself.distance, meshNoise);
+      std::hypot(distances.image, meshNoise) / std::hypot(distances.itself, meshNoise);
   const double size = std::min(std::fabs(std::log(ratio)), mostEvidence) - noEvidence;
   const double trust = 1 / (1 + (least / halfAsGood) * (least / halfAsGood));
   return size <= 0 ? 0 : std::copysign(size * trust, ratio - 1);
@@ -184,20 +202,151 @@ class Sides {
   int fixed_;
 };
 
-/// How different two surfaces are by what mirroring does not change: their moments.
-Eigen::MatrixXd differencesOfMoments(const Sequence& sequence) {
-  const int count = sequence.size();
-  Eigen::MatrixXd moments(count, 5);
-  for (int i = 0; i < count; ++i) {
+/// What mirroring does not change: size, roundness, and extents along the axes; #surfaces by 5.
+Eigen::MatrixXd momentsOf(const Sequence& sequence) {
+  Eigen::MatrixXd moments(sequence.size(), 5);
+  for (int i = 0; i < sequence.size(); ++i) {
     const PreparedSurface& shape = sequence[i];
     const Points along = (shape.samples().rowwise() - shape.centre().transpose()) * shape.axes();
     moments.row(i) << std::log(shape.radius()), std::cbrt(shape.volume()) / shape.radius(),
         along.cwiseAbs2().colwise().mean().cwiseSqrt() / shape.radius();
   }
-  Eigen::MatrixXd differences(count, count);
-  for (int i = 0; i < count; ++i)
+  return moments;
+}
+
+Eigen::MatrixXd differencesOf(const Eigen::MatrixXd& moments) {
+  Eigen::MatrixXd differences(moments.rows(), moments.rows());
+  for (Eigen::Index i = 0; i < moments.rows(); ++i)
     differences.col(i) = (moments.rowwise() - moments.row(i)).rowwise().norm();
+  differences.diagonal().setConstant(HUGE_VAL);
   return differences;
+}
+
+/// Whether the surfaces are phases of one subject, whose shape changes little from one to the next:
+/// J. von Neumann's ratio (Distribution of the ratio of the mean square successive difference to
+/// the variance, 1941), which is 1 for surfaces in any order. Sizes are not looked at, by which
+/// subjects may be sorted.
+bool changesSlowly(const Eigen::MatrixXd& moments) {
+  const Eigen::Index count = moments.rows();
+  if (count < enoughOfOne) return false;
+  const Eigen::MatrixXd shape = moments.rightCols(moments.cols() - 1);
+  const double step = (shape.bottomRows(count - 1) - shape.topRows(count - 1)).squaredNorm() /
+                      static_cast<double>(count - 1);
+  const double spread =
+      (shape.rowwise() - shape.colwise().mean()).squaredNorm() / static_cast<double>(count - 1);
+  return step < slowly * 2 * spread;
+}
+
+/// What was found from the evidence alone.
+struct Decision {
+  Sides::Choice sides;      ///< the best; of all, also those that are not known
+  std::vector<char> known;  ///< whether the other side is clearly worse
+  bool mixed = false;       ///< clearly better than taking those that are not known for right
+
+  bool isMirrored(size_t i) const { return known[i] && sides[i] < 0; }
+  bool suspects() const {
+    for (size_t i = 0; i < sides.size(); ++i)
+      if (isMirrored(i)) return true;
+    return mixed;
+  }
+
+  std::vector<SurfaceSide> result() const {
+    std::vector<SurfaceSide> result(sides.size());
+    for (size_t i = 0; i < sides.size(); ++i)
+      result[i] = {isMirrored(i), known[i] != 0, mixed && !known[i]};
+    return result;
+  }
+};
+
+Decision decisionFrom(const Eigen::MatrixXd& evidence, int fixed) {
+  const Sides all(evidence, fixed);
+  Sides::Best best = all.best();
+  Decision decision{std::move(best.sides), std::vector<char>(best.loss.size()), false};
+  Sides::Choice unreflected = decision.sides;  // what is not known taken for right
+  for (size_t i = 0; i < unreflected.size(); ++i) {
+    decision.known[i] = best.loss[i] >= certain;
+    if (!decision.known[i]) unreflected[i] = 1;
+  }
+  decision.mixed = all.worthOf(decision.sides) - all.worthOf(unreflected) >= certain;
+  return decision;
+}
+
+/// The pairs that were compared.
+class Comparisons {
+ public:
+  Comparisons(const Sequence& sequence, int root, ThreadPool& pool)
+      : sequence_(sequence), pool_(pool), count_(sequence.size()) {
+    const PreparedSurface& first = sequence[root];
+    poses_.assign(static_cast<size_t>(count_), {{}, roughIsometry(first, first, true)});
+    pool.forEach(count_, [&](int i) {
+      if (i == root || shapeDistance(sequence[i], first) < lies * first.radius()) return;
+      poses_[static_cast<size_t>(i)] = {roughIsometry(sequence[i], first, false),
+                                        roughIsometry(sequence[i], first, true)};
+    });
+    evidence_ = Eigen::MatrixXd::Zero(count_, count_);
+    itself_ = image_ = Eigen::MatrixXd::Constant(count_, count_, HUGE_VAL);
+  }
+
+  void compare(const std::vector<Arc>& pairs) {
+    std::vector<Distances> found(pairs.size());
+    pool_.forEach(static_cast<int>(pairs.size()), [&](int k) {
+      const auto [i, j] = pairs[static_cast<size_t>(k)];
+      found[static_cast<size_t>(k)] =
+          distancesOf(sequence_[i], sequence_[j], poses_[static_cast<size_t>(i)],
+                      poses_[static_cast<size_t>(j)]);
+    });
+    for (size_t k = 0; k < pairs.size(); ++k) {
+      const auto [i, j] = pairs[k];
+      evidence_(i, j) = evidence_(j, i) = evidenceOf(found[k], sequence_[i], sequence_[j]);
+      itself_(i, j) = itself_(j, i) = found[k].itself;
+      image_(i, j) = image_(j, i) = found[k].image;
+    }
+  }
+
+  const Eigen::MatrixXd& evidence() const { return evidence_; }
+
+  /// Of each surface, on the side that was found for it: by how much its image lies farther off the
+  /// nearest of the others than it does itself, as the logarithm of the ratio.
+  std::vector<double> margins(const Sides::Choice& sides) const {
+    std::vector<double> margins;
+    for (int i = 0; i < count_; ++i) {
+      double itself = HUGE_VAL, image = HUGE_VAL;
+      for (int j = 0; j < count_; ++j) {
+        const bool alike = sides[static_cast<size_t>(i)] == sides[static_cast<size_t>(j)];
+        itself = std::min(itself, (alike ? itself_ : image_)(i, j));
+        image = std::min(image, (alike ? image_ : itself_)(i, j));
+      }
+      margins.push_back(std::log(std::hypot(image, meshNoise) / std::hypot(itself, meshNoise)));
+    }
+    return margins;
+  }
+
+ private:
+  const Sequence& sequence_;
+  ThreadPool& pool_;
+  int count_;
+  std::vector<Poses> poses_;
+  Eigen::MatrixXd evidence_, itself_, image_;
+};
+
+/// Of different subjects no pair's evidence is independent of the others': one whose own asymmetry
+/// is unlike that of several counts against each of them. Where the surfaces have no side in
+/// common, images lie as near to the nearest surface as surfaces do, and nothing is known.
+void doubtWithoutSide(Decision& decision, const std::vector<double>& margins, int root) {
+  const size_t count = margins.size();
+  const auto reflected =
+      static_cast<size_t>(std::count(decision.sides.begin(), decision.sides.end(), -1));
+  const double share =
+      static_cast<double>(std::min(reflected, count - reflected)) / static_cast<double>(count);
+  const bool sided = medianOf(margins) >= std::clamp(hasSide + share, leastForSide, mostForSide);
+  bool unknown = false;
+  for (size_t i = 0; i < count; ++i) {
+    if (static_cast<int>(i) == root) continue;
+    if (decision.sides[i] < 0 && !(sided && margins[i] >= tellsAgainst)) decision.known[i] = 0;
+    if (sided && margins[i] >= tellsAlone) decision.known[i] = 1;
+    unknown = unknown || (decision.sides[i] < 0 && !decision.known[i]);
+  }
+  decision.mixed = decision.mixed && sided && unknown;
 }
 
 }  // namespace
@@ -211,67 +360,61 @@ ClosedSurface mirrorImage(const ClosedSurface& surface, double plane) {
 }
 
 std::vector<SurfaceSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int fixed) {
-  const Sides all(evidence, fixed);
-  const Sides::Best best = all.best();
-  std::vector<SurfaceSide> sides(best.sides.size());
-  Sides::Choice unreflected = best.sides;  // what is not known taken for right
-  for (size_t i = 0; i < sides.size(); ++i) {
-    sides[i].known = best.loss[i] >= certain;
-    sides[i].mirrored = sides[i].known && best.sides[i] < 0;
-    if (!sides[i].known) unreflected[i] = 1;
-  }
-  const bool mixed = all.worthOf(best.sides) - all.worthOf(unreflected) >= certain;
-  for (SurfaceSide& side : sides) side.inDoubt = mixed && !side.known;
-  return sides;
+  return decisionFrom(evidence, fixed).result();
 }
 
 std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
                                    ThreadPool& pool) {
   const int count = sequence.size(), root = tree.root();
-  std::vector<SurfaceSide> sides(static_cast<size_t>(count));
-  if (count < 2) return sides;
+  if (count < 2) return std::vector<SurfaceSide>(static_cast<size_t>(count));
   sequence.prepare(pool);
-  const PreparedSurface& first = sequence[root];
-  std::vector<Poses> poses(static_cast<size_t>(count), {{}, roughIsometry(first, first, true)});
-  pool.forEach(count, [&](int i) {
-    if (i == root || shapeDistance(sequence[i], first) < lies * first.radius()) return;
-    poses[static_cast<size_t>(i)] = {roughIsometry(sequence[i], first, false),
-                                     roughIsometry(sequence[i], first, true)};
-  });
-  Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count),
-                  differences = differencesOfMoments(sequence);
-  differences.diagonal().setConstant(HUGE_VAL);
+  const Eigen::MatrixXd moments = momentsOf(sequence), differences = differencesOf(moments);
+  Comparisons compared(sequence, root, pool);
   std::vector<Arc> pairs;
   for (int i = 0; i < count; ++i)
     if (i != root) pairs.push_back({i, tree.parent[static_cast<size_t>(i)]});
+  Eigen::MatrixXd left = differences;
+  for (const auto& [i, j] : pairs) left(i, j) = left(j, i) = HUGE_VAL;
+  // Of surface i with the most alike that it was not compared with.
+  const auto addPairs = [&](int i) {
+    for (int more = 0; more < pairsPerRound; ++more) {
+      Eigen::Index j = 0;
+      if (!(left.row(i).minCoeff(&j) < HUGE_VAL)) break;
+      left(i, j) = left(j, i) = HUGE_VAL;
+      pairs.push_back({i, static_cast<int>(j)});
+    }
+  };
+  Decision decision;
   for (int round = 0;; ++round) {
-    std::vector<double> found(pairs.size());
-    pool.forEach(static_cast<int>(pairs.size()), [&](int k) {
-      const auto [i, j] = pairs[static_cast<size_t>(k)];
-      found[static_cast<size_t>(k)] = evidenceOf(
-          sequence[i], sequence[j], poses[static_cast<size_t>(i)], poses[static_cast<size_t>(j)]);
-    });
-    for (size_t k = 0; k < pairs.size(); ++k) {
-      const auto [i, j] = pairs[k];
-      evidence(i, j) = evidence(j, i) = found[k];
-      differences(i, j) = differences(j, i) = HUGE_VAL;
-    }
-    sides = sidesFromEvidence(evidence, root);
+    compared.compare(pairs);
+    decision = decisionFrom(compared.evidence(), root);
     pairs.clear();
-    if (round == rounds) return sides;
-    for (int i = 0; i < count; ++i) {
-      if (sides[static_cast<size_t>(i)].known && i != root) continue;
-      for (int more = 0; more < pairsPerRound; ++more) {
-        Eigen::Index j = 0;
-        if (!(differences.row(i).minCoeff(&j) < HUGE_VAL)) break;
-        differences(i, j) = differences(j, i) = HUGE_VAL;
-        pairs.push_back({i, static_cast<int>(j)});
-      }
-    }
-    const bool allKnown =
-        std::all_of(sides.begin(), sides.end(), [](const SurfaceSide& side) { return side.known; });
-    if (allKnown || pairs.empty()) return sides;
+    const bool allKnown = std::all_of(decision.known.begin(), decision.known.end(),
+                                      [](const char known) { return known != 0; });
+    if (round == rounds || allKnown) break;
+    for (int i = 0; i < count; ++i)
+      if (i == root || !decision.known[static_cast<size_t>(i)]) addPairs(i);
+    if (pairs.empty()) break;
   }
+  if (!decision.suspects() || changesSlowly(moments)) return decision.result();
+  for (int i = 0; i < count; ++i) {
+    std::vector<int> others;
+    for (int j = 0; j < count; ++j)
+      if (j != i) others.push_back(j);
+    const auto end =
+        others.begin() + std::min<std::ptrdiff_t>(nearest, static_cast<std::ptrdiff_t>(count - 1));
+    std::partial_sort(others.begin(), end, others.end(), [&](int a, int b) {
+      return std::pair(differences(i, a), a) < std::pair(differences(i, b), b);
+    });
+    for (auto j = others.begin(); j != end; ++j) {
+      if (!(left(i, *j) < HUGE_VAL)) continue;
+      left(i, *j) = left(*j, i) = HUGE_VAL;
+      pairs.push_back({i, *j});
+    }
+  }
+  compared.compare(pairs);
+  doubtWithoutSide(decision, compared.margins(decision.sides), root);
+  return decision.result();
 }
 
 ReflectedSequence reflectMirrorImages(const Sequence& sequence, const PropagationOrder& order,

@@ -40,6 +40,16 @@ struct SurfaceSide {
 /// six. So a shape that is nearly its own mirror image, as skulls are, stays, and so do all where
 /// mirrored surfaces are about as many as others that the root tells nothing about.
 ///
+/// That is all for phases of one subject, known by their shape, which changes little from one to
+/// the next. Of different subjects pairs do not err independently of each other: each has an
+/// asymmetry of its own, and where these have nothing in common, about half of the subjects look
+/// mirrored, seen from any of them. So all are compared once more, each with the six that are the
+/// most alike, and a surface's margin is ln(nearest image / nearest surface), everything on the
+/// side that was found for it: it is about 0 where the shape has no side. Some are mirrored only
+/// where the median margin is as large as 0.1 and the part of the surfaces on the side of the fewer
+/// (at least 0.2, at most 0.5 is asked for), and only those with a margin of 0.08 of their own; a
+/// margin of 0.5 tells by itself which side such a surface is on.
+///
 /// sequence: of one size (surface_sizes.h); tree: one entry per surface.
 std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
                                    ThreadPool& pool);

@@ -147,6 +147,7 @@ def judge(
         except SpherePropagationError:
             return []  # what cannot be done is found by the steps after this one
     odd = found_in(said, len(known) + 1).get(frame.name, [])
+    sided = sided and len(known) >= REFERENCES  # of few, one may look mirrored by chance
     return [one for one in odd if sided or one["kind"] != MIRRORED]
 
 
