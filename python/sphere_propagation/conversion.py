@@ -73,10 +73,9 @@ def convert(jobs: Sequence[Job], space: str, say: Callable[[str], None]) -> Dict
             surface = Surface(vertices, surface.faces, surface.name, "RAS")
         target.parent.mkdir(parents=True, exist_ok=True)
         WRITERS[target.suffix[1:]](target, surface, scalars)
-        opened = readers.open_edges(surface.faces)
         say(
             f"{source} -> {target}: {len(surface.vertices)} vertices, {len(surface.faces)} "
-            f"triangles, {f'open at {opened} edges' if opened else 'closed'}"
+            f"triangles, {readers.state_of(surface)}"
         )
     if silent and not space:
         others = f" (and {count_others(len(silent) - 1)})" if len(silent) > 1 else ""

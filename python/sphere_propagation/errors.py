@@ -166,8 +166,9 @@ MESSAGES_FOR_ARRAYS = {
         "surface of its own, of which the larger is kept.",
     ),
     "largePartDropped": (
-        "join them before, or keep both by",
-        "prepare it with join_shells=True, or keep both by keep_largest_component=False.",
+        "load the mesh again, split it into its parts and prepare each by itself;",
+        "prepare each by itself; where the two are the sides of one wall, both closed, they have "
+        "to be joined before.",
     ),
     "partNotJoined": (
         "Keep both by",

@@ -47,7 +47,6 @@ CALLS = {
     "sp.prepare(surface)": "run --prepare",
     # What is on anyway.
     "Keep both by keep_largest_component=False, or prepare": "Prepare",
-    ", or keep both by keep_largest_component=False": "",
     ", or keep all sheets by remove_fins=False": "",
 }
 # What to do about a fault (errors.FOR_ARRAYS), where our advice there is code.

@@ -21,6 +21,7 @@ import numpy as np
 from . import adapters
 from .attention import warn
 from .errors import FileError, InputError
+from .surface import Surface
 
 OF_MESHLAB = (".ply", ".stl", ".obj", ".off")  # what else it opens is not looked for in folders
 VTK_SUFFIXES = (".vtk", ".vtp", ".vtu")
@@ -517,10 +518,27 @@ def _without_loose_points(found: Found) -> Found:
     )
 
 
+def _faces_of_edges(faces: np.ndarray) -> np.ndarray:
+    """How many faces each edge has."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1)
+    return np.unique(edges, axis=0, return_counts=True)[1]
+
+
 def open_edges(faces: np.ndarray) -> int:
     """How many edges have a face on one side only."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1)
-    return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
+    return int((_faces_of_edges(faces) == 1).sum())
+
+
+def state_of(surface: Surface) -> str:
+    """What of a surface is to be mended: "open at 12 edges, 7 edges with more than two faces", or
+    "closed"."""
+    count = _faces_of_edges(surface.faces)
+    opened, fins = int((count == 1).sum()), int((count > 2).sum())
+    found = [f"open at {opened} edge{'s' * (opened != 1)}"] * (opened > 0)
+    found += [f"{fins} edge{'s' * (fins != 1)} with more than two faces"] * (fins > 0)
+    if not found and surface.volume < 0:
+        found = ["closed, faces inwards"]
+    return ", ".join(found) or "closed"
 
 
 def _welded(found: Found) -> Found:

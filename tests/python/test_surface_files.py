@@ -493,6 +493,22 @@ def test_convert_to_each_format(format, body, tmp_path, capsys):
     assert surface.volume == pytest.approx(sp.Surface(*body).volume, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    "more, said",
+    [
+        (lambda f: f, "closed"),
+        (lambda f: f[:, ::-1], "closed, faces inwards"),
+        (lambda f: f[1:], "open at 3 edges"),
+        (lambda f: np.vstack([f, f[:1, [1, 0, 2]]]), "3 edges with more than two faces"),
+    ],
+)
+def test_convert_says_what_is_to_be_mended(more, said, body, tmp_path, capsys):
+    vertices, faces = body
+    legacy(SetFileTypeToBinary=None)(tmp_path / "a.vtk", vertices, more(faces))
+    assert run("convert", tmp_path / "a.vtk") == 0
+    assert capsys.readouterr().out.strip().endswith(f"triangles, {said}")
+
+
 def test_convert_keeps_numbers_per_vertex(body, tmp_path):
     data = polydata(*body)
     data["wall thickness"], data["x"] = body[0][:, 2], body[0][:, 1]
