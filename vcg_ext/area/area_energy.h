@@ -100,8 +100,8 @@ struct FaceExpansion {
 
   Tangent gradient(int k) const { return slope * logArea[k] + shapeWeight * quotient[k]; }
   /// Block (k, l). The Hessian is positive semidefinite as a whole: Gauss-Newton for the logarithm;
-  /// exact up to the curvature of s_f for the quotient, which is jointly convex in D_f and s_f.
-  /// frame[k]: as below.
+  /// exact up to the curvature of s_f for the quotient, which is jointly convex in the positions
+  /// and s_f. frame[k]: as below.
   TangentBlock hessian(int k, int l, const std::array<std::array<Vector3, 2>, 3>& frame) const {
     TangentBlock block = couple(k, l);
     if (k == l) return block + (tie[(k + 1) % 3] + tie[(k + 2) % 3]) * TangentBlock::Identity();
