@@ -7,7 +7,7 @@
     DATA    folder with heart_cine (default SPHERE_PROPAGATION_DATA, else ../shared/data)
 
 CPU seconds of the whole command, the least of three: with --no-pictures, and what the pictures add
-to that, of which as much is spent on loading Matplotlib and VTK as a process that does nothing else
+to that, of which as much is spent on loading Pillow and VTK as a process that does nothing else
 takes. Once before, unmeasured: Python compiles what it imports for the first time.
 """
 
@@ -21,7 +21,7 @@ from pathlib import Path
 from setting import given_data
 
 PROJECT = Path(__file__).resolve().parents[1]
-LIBRARIES = "import matplotlib.figure, vtkmodules.vtkRenderingOpenGL2"
+LIBRARIES = "import PIL.ImageDraw, PIL.ImageFont, vtkmodules.vtkRenderingOpenGL2"
 
 
 def cpu_seconds(*arguments):

@@ -19,7 +19,7 @@ IMAGES = PROJECT / "docs/images"
 LIST = IMAGES / "drawn_by.sha256"
 
 PACKAGE = "python/sphere_propagation/"
-MAPS = (PACKAGE + "pictures.py", PACKAGE + "views.py", PACKAGE + "colors.py")
+MAPS = tuple(f"{PACKAGE}{name}.py" for name in ("pictures", "drawing", "plots", "views", "colors"))
 MODELS = (PACKAGE + "model_pictures.py", *MAPS)
 PHANTOM = (PACKAGE + "phantom.py",)
 HEART = ("scripts/draw-modes",)

@@ -4,25 +4,14 @@ scores and volumes."""
 
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import List, Optional, Sequence
 
 import numpy as np
 
+from .drawing import GREY, INK, RULE, Drawing, extent_of, points_wide
 from .model import ShapeModel
-from .pictures import (
-    GREY,
-    INK,
-    PUBLISHED,
-    ROBUST,
-    Scene,
-    add_image,
-    new_figure,
-    panel_title,
-    panels,
-    quiet_axes,
-    save,
-    soft_normals,
-)
+from .pictures import PUBLISHED, ROBUST, Scene, soft_normals
+from .plots import LABEL, MINUS, Plot, labels, panels, room, ticks
 from .units import volume_unit
 from .views import Row, upright
 
@@ -44,7 +33,15 @@ DISPLACEMENT = (
     / 255
 )
 MODE_COLORS = (ROBUST, PUBLISHED, "#6d4aad")
-MINUS = "\N{MINUS SIGN}"
+# Matplotlib's twilight_shifted and viridis, at equal steps.
+ROUND = (
+    "#301437 #4e186f #5e45a6 #6276ba #7ca2c2 #b3c6ce #e2d9e2 #d4bcac #c68962 #b25652 #8d2b50 "
+    "#581647 #2f1436"
+)
+ONWARDS = (
+    "#440154 #481f70 #443983 #3b528b #31688e #287c8e #21918c #20a486 #35b779 #5ec962 #90d743 "
+    "#c8e020 #fde725"
+)
 
 
 def displacements(model: ShapeModel, shape: np.ndarray) -> np.ndarray:
@@ -92,11 +89,11 @@ def modes(
     rotation = upright(model.mean, up)
     seen = np.concatenate([model.mean, *shapes.values()]) @ rotation.T
     center, extent = (seen.min(0) + seen.max(0)) / 2, 0.53 * (seen.max(0) - seen.min(0))[:2]
-    cells = 3 * max(shown, 1)
-    width, dpi = 1.5 * cells + 0.5, 100
-    wide = (width - 0.2) / max(shown, 1) / width  # a mode
+    cells, dpi = 3 * max(shown, 1), 100
+    width = dpi * (1.25 * cells + 0.5)
+    wide = (width - 0.2 * dpi) / max(shown, 1)  # a mode
     # Pixels of the page, so that none has to be interpolated.
-    size = [max(2, int((shown - 0.04) * wide * width * dpi / (cells + (shown - 1) / 8)))]
+    size = [max(2, int((shown - 0.04) * wide / (cells + (shown - 1) / 8)))]
     scale = size[0] / (2 * extent[0])
     size.append(max(2, round(2 * extent[1] * scale)))
     gap = size[0] // 8  # between modes
@@ -108,69 +105,37 @@ def modes(
         colors = displacement_colors(moved[key], reach)
         panel.surface(shape, model.faces, colors, soft_normals(shape, model.faces))
 
-    picture = size[1] / dpi
-    top, bottom = 1.0, 1.2
-    height = picture + top + bottom
-    figure = new_figure(width, height, dpi)
-    figure.text(
-        0.25 / width,
-        1 - 0.3 / height,
-        title or "Mean shape and modes",
-        fontsize=17,
-        color=INK,
-        weight="bold",
-        va="center",
-    )
+    top, below = 100, 100 + size[1]
+    page = Drawing(width, below + 120)
+    page.text(25, 30, title or "Mean shape and modes", points_wide(17), bold=True)
     if shown:
-        left = 0.1 / width + 0.02 * wide
-        place = (left, bottom / height, across / dpi / width, picture / height)
-        add_image(figure, scene.parts([(0, 0, across, size[1])])[0], place)
+        page.image(scene.parts([(0, 0, across, size[1])])[0], 10 + 0.02 * wide, top)
     for m in range(shown):
-        left = 0.1 / width + m * wide
-        share = model.eigenvalues[m] / model.total_variance
-        figure.text(
-            left + wide / 2,
-            1 - 0.8 / height,
-            f"mode {m + 1}: {100 * share:.1f} % of the variance",
-            fontsize=13,
-            color=INK,
-            ha="center",
-            va="center",
-        )
+        left = 10 + m * wide
+        share = 100 * model.eigenvalues[m] / model.total_variance
+        words = f"mode {m + 1}: {share:.1f} % of the variance"
+        page.text(left + wide / 2, 80, words, points_wide(13), across=0.5)
         for k, sign in enumerate((-1, 0, 1)):
             words = "mean" if sign == 0 else f"{MINUS if sign < 0 else '+'}{deviations:g} sd"
-            figure.text(
-                left + 0.02 * wide + (k + 0.5) * 0.32 * wide,
-                (bottom - 0.15) / height,
-                words,
-                fontsize=12,
-                color=GREY,
-                ha="center",
-                va="center",
-            )
-    bar = figure.add_axes([0.33, 0.52 / height, 0.34, 0.16 / height])
-    bar.imshow(
-        displacement_colors(np.linspace(-reach, reach, 512), reach)[None],
-        aspect="auto",
-        extent=[-reach, reach, 0, 1],
+            middle = left + (0.02 + (k + 0.5) * 0.32) * wide
+            page.text(middle, below + 15, words, points_wide(12), color=GREY, across=0.5)
+    bar = displacement_colors(np.linspace(-reach, reach, round(0.34 * width)), reach)
+    page.image(
+        np.repeat(np.round(255 * bar[None]).astype(np.uint8), 16, 0), 0.33 * width, below + 52
     )
-    bar.set_yticks([])
-    bar.set_xticks(
-        [-reach, 0, reach],
-        [f"{reach:.1f} {unit} inwards", "0", f"{reach:.1f} {unit} outwards"],
-        fontsize=11,
-        color=GREY,
-    )
-    bar.tick_params(length=0)
-    for spine in bar.spines.values():
-        spine.set_visible(False)
-    save(figure, path)
+    for place, words in (
+        (0.33, f"{reach:.1f} {unit} inwards"),
+        (0.5, "0"),
+        (0.67, f"{reach:.1f} {unit} outwards"),
+    ):
+        page.text(place * width, below + 82, words, points_wide(11), color=GREY, across=0.5)
+    page.save(path)
 
 
 def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
     """Compactness, generalisation and specificity by number of modes, with their standard
     errors."""
-    figure, axes = panels(13.6, 4.3, (1, 1, 1))
+    drawing, plots = panels(1360, 430, (1, 1, 1))
     count = np.arange(1, len(model.modes) + 1)
     drawn = (
         (
@@ -179,6 +144,7 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
             100 * model.figures["variance_share"],
             None,
             INK,
+            "",
         ),
         (
             "Generalisation",
@@ -186,6 +152,7 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
             model.generalisation,
             model.figures["generalisation_error"],
             ROBUST,
+            "#d3e7e5",
         ),
         (
             "Specificity",
@@ -193,18 +160,17 @@ def measures(model: ShapeModel, path, *, unit: str = "mm") -> None:
             model.specificity,
             model.figures["specificity_error"],
             PUBLISHED,
+            "#f4dbd0",
         ),
     )
-    for axis, (title, label, values, error, color) in zip(axes, drawn):
+    for plot, (title, label, values, error, color, light) in zip(plots, drawn):
+        plot.x = (0.5, len(count) + 0.5)
+        plot.y = (0, 105 if error is None else (1.15 * (values + error).max() or 1.0))
         if error is not None:
-            axis.fill_between(count, values - error, values + error, color=color, alpha=0.18, lw=0)
-        axis.plot(count, values, color=color, lw=2.2, marker="o", ms=4)
-        _titles(axis, title, "modes", label)
-        axis.set_xlim(0.5, len(count) + 0.5)
-        axis.set_ylim(0, 105 if error is None else 1.15 * (values + error).max())
-        axis.xaxis.get_major_locator().set_params(integer=True)
-        quiet_axes(axis)
-    save(figure, path)
+            plot.band(count, values - error, values + error, light)
+        plot.curve(count, values, color, 3, dots=3.3)
+        plot.finish(title, "modes", label, whole=True)
+    drawing.save(path)
 
 
 def scores(row: Row, model: ShapeModel, path, *, shown: int = 3) -> None:
@@ -219,136 +185,129 @@ def scores(row: Row, model: ShapeModel, path, *, shown: int = 3) -> None:
     (_scores_of_phases if row.timed else _scores_of_shapes)(row, units, labels, model.names, path)
 
 
-def _scores_of_phases(row: Row, units, labels, names, path) -> None:
+def _scores_of_phases(row: Row, units, names_of_modes, names, path) -> None:
     closed, phases = row.result.order == "Cyclic time", np.asarray(row.numbers())
     plane = units.shape[1] > 1
-    figure, (over, *rest) = panels(12.8 if plane else 7.6, 4.6, (1.45, 1)[: 1 + plane])
-    for m, label in enumerate(labels):
-        color = MODE_COLORS[m % 3]
-        over.plot(phases, units[:, m], color=color, lw=2.2, marker="o", ms=4, label=label)
-    over.axhline(0, color="#9ca3af", lw=0.8)
-    _titles(over, "Scores over the phases", "phase", "standard deviations")
-    over.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
-    low, high = units.min(), units.max()
-    over.set_ylim(low - 0.1 * (high - low), high + 0.32 * (high - low))
-    over.xaxis.get_major_locator().set_params(integer=True)
-    over.legend(fontsize=10.5, loc="upper left", ncol=3, labelcolor=INK, frameon=False)
-    quiet_axes(over)
-    for axis in rest:
+    drawing, (over, *rest) = panels(1280 if plane else 760, 460, (1.45, 1)[: 1 + plane])
+    over.x, over.y = (phases[0] - 0.5, phases[-1] + 0.5), room(units, 0.1, 0.32)
+    over.rule(y=0)
+    for m, label in enumerate(names_of_modes):
+        over.curve(phases, units[:, m], MODE_COLORS[m % 3], 3, label, dots=3.3)
+    over.finish("Scores over the phases", "phase", "standard deviations", whole=True)
+    over.legend(over.left + 10, over.top + 8, 3)
+    for plot in rest:
+        plot.width -= 72
+        plot.x, plot.y = room(units[:, 0], 0.12), room(units[:, 1], 0.12)
         way = np.r_[0 : len(phases), 0] if closed else np.arange(len(phases))
-        axis.plot(units[way, 0], units[way, 1], color="#9ca3af", lw=1.4, zorder=1)
-        dots = axis.scatter(
-            units[:, 0],
-            units[:, 1],
-            c=phases,
-            cmap="twilight_shifted" if closed else "viridis",
-            # A cycle's last phase is followed by the first: their colours are, too.
-            vmin=phases[0],
-            vmax=phases[-1] + closed,
-            s=46,
-            zorder=2,
-            edgecolors="white",
-            linewidths=0.8,
-        )
-        _titles(axis, "Path through the first two modes", *PLANE)
-        axis.margins(0.12)
-        quiet_axes(axis, both=True)
-        inch = 1 / figure.get_figwidth()
-        left, below, across, up = axis.get_position().bounds
-        axis.set_position([left, below, across - 0.72 * inch, up])
-        bar = figure.add_axes([left + across - 0.6 * inch, below, 0.18 * inch, up])
-        key = figure.colorbar(dots, cax=bar)
-        key.set_label("phase", fontsize=11, color=GREY)
-        key.ax.yaxis.get_major_locator().set_params(integer=True)
-        key.ax.tick_params(colors=GREY, length=0)
-        key.outline.set_visible(False)
-    for axis in rest:
+        plot.curve(units[way, 0], units[way, 1], RULE, 1.9)
+        # A cycle's last phase is followed by the first: their colours are, too.
+        last, scheme = phases[-1] + closed, (ROUND if closed else ONWARDS).split()
+        share = (phases - phases[0]) / max(last - phases[0], 1)
+        plot.dots(units[:, 0], units[:, 1], _between(scheme, share), 4.7, rim=1.1)
+        plot.finish("Path through the first two modes", *PLANE, grid="both")
+        _key_of_phases(plot, scheme, phases[0], last)
         step = max(1, len(phases) // 6)
         named = range(0, len(phases) - step // 2, step)
-        _name_points(axis, units[:, :2], [str(phase) for phase in phases], named, 10)
-    save(figure, path)
+        _name_points(plot, units[:, :2], [str(phase) for phase in phases], named, 10)
+    drawing.save(path)
+
+
+def _between(scheme: Sequence[str], share) -> List[str]:
+    """Colours at so large a share of the way through a scheme."""
+    known = np.array([[int(color[k : k + 2], 16) for k in (1, 3, 5)] for color in scheme])
+    at = np.asarray(share, float) * (len(scheme) - 1)
+    found = [np.interp(at, np.arange(len(scheme)), known[:, k]) for k in range(3)]
+    return ["#%02x%02x%02x" % tuple(map(round, color)) for color in zip(*found)]
+
+
+def _key_of_phases(plot: Plot, scheme: Sequence[str], first: int, last: int) -> None:
+    """The colours of phases, right of a plot."""
+    page, left, height = plot.drawing, round(plot.left + plot.width + 12), round(plot.height)
+    colors = _between(scheme, np.linspace(1, 0, height))
+    strip = [[int(color[k : k + 2], 16) for k in (1, 3, 5)] for color in colors]
+    page.image(np.repeat(np.array(strip, np.uint8)[:, None], 18, 1), left, plot.top)
+    numbers = ticks(first, max(last, first + 1), 8, whole=True)
+    for number, word in zip(numbers, labels(numbers)):
+        down = plot.top + plot.height * (1 - (number - first) / max(last - first, 1))
+        page.text(left + 24, down, word, points_wide(10), color=GREY)
+    middle = plot.top + plot.height / 2
+    page.text(left + 54, middle, "phase", points_wide(11), color=GREY, across=0.5, upwards=True)
 
 
 PLANE = ("mode 1, standard deviations", "mode 2, standard deviations")
 BY_NAME = 48  # so many shapes have room for their names
 
 
-def _scores_of_shapes(row: Row, units, labels, names, path) -> None:
+def _beside_names(names: Sequence[str]) -> float:
+    """Pixels that they take left of a plot, more than numbers do."""
+    widest = max(extent_of(name, points_wide(10))[0] for name in names)
+    return max(0.0, widest + 14 - 60)
+
+
+def _scores_of_shapes(row: Row, units, names_of_modes, names, path) -> None:
     plane, few = units.shape[1] > 1, len(names) <= BY_NAME
-    height = max(4.6, 1.5 + 0.24 * len(names)) if few else 4.6
-    figure = new_figure(12.8 if plane else 7.6, height)
-    axes = figure.subplots(1, 1 + plane, squeeze=False)
-    left, *rest = axes[0]
+    height = max(460, 150 + 24 * len(names)) if few else 460
+    beside = _beside_names(names) if few else 0
+    drawing, (left, *rest) = panels((1280 if plane else 760) + beside, height + 35)
+    full = drawing.width - beside
+    plots = [left]
+    left.height -= 35  # for the legend
+    left.left += beside
+    left.width = full / (1 + plane) - 128
+    if plane:
+        right = Plot(drawing, left.left + left.width + 128, left.top, left.width, left.height)
+        plots.append(right)
     if few:
         place = np.arange(len(names))[::-1]
-        for m, label in enumerate(labels):
-            left.scatter(units[:, m], place, color=MODE_COLORS[m % 3], s=34, label=label, zorder=3)
-        left.axvline(0, color="#9ca3af", lw=0.8)
-        left.set_yticks(place, names)
-        _titles(left, "Scores of the shapes", "standard deviations", "")
-        quiet_axes(left, both=True)
+        left.x, left.y = room(units, 0.05), (-0.6, len(names) - 0.4)
+        left.rule(x=0)
+        for m, label in enumerate(names_of_modes):
+            left.dots(units[:, m], place, MODE_COLORS[m % 3], 4.05, label)
+        left.finish("Scores of the shapes", "standard deviations", names=list(names), grid="both")
     else:
-        bins = np.linspace(units.min(), units.max(), 31)
-        for m, label in enumerate(labels):
-            color = MODE_COLORS[m % 3]
-            left.hist(units[:, m], bins, color=color, histtype="step", lw=2, label=label)
-        _titles(left, "Scores of the shapes", "standard deviations", "shapes")
-        quiet_axes(left)
-    figure.legend(
-        *left.get_legend_handles_labels(),
-        fontsize=10.5,
-        loc="lower left",
-        ncol=3,
-        labelcolor=INK,
-        frameon=False,
-    )
-    for axis in rest:
-        axis.scatter(
-            units[:, 0], units[:, 1], color=ROBUST, s=40, zorder=2, edgecolors="white", lw=0.8
-        )
-        _titles(axis, "The shapes in the first two modes", *PLANE)
-        axis.margins(0.16)
-        quiet_axes(axis, both=True)
-    figure.tight_layout(w_pad=2.5, rect=(0, 0.35 / height, 1, 1))
-    for axis in rest:
+        edges = np.linspace(units.min(), units.max(), 31)
+        counts = [np.histogram(scores, edges)[0] for scores in units.T]
+        left.x, left.y = room(units, 0.05), (0, 1.05 * max(map(max, counts)))
+        for m, label in enumerate(names_of_modes):
+            left.histogram(counts[m], edges, MODE_COLORS[m % 3], label=label)
+        left.finish("Scores of the shapes", "standard deviations", "shapes")
+    left.legend(left.left, drawing.height - 28, 3)
+    for plot in plots[1:]:
+        plot.x, plot.y = room(units[:, 0], 0.16), room(units[:, 1], 0.16)
+        plot.dots(units[:, 0], units[:, 1], ROBUST, 4.4, rim=1.1)
+        plot.finish("The shapes in the first two modes", *PLANE, grid="both")
         # Those that stand out come first; of many shapes they are the only ones.
         far = np.argsort(-np.hypot(units[:, 0], units[:, 1]))[: len(names) if few else 8]
-        _name_points(axis, units[:, :2], names, far, 9)
-    save(figure, path)
+        _name_points(plot, units[:, :2], names, far, 9)
+    drawing.save(path)
 
 
-def _name_points(axis, points: np.ndarray, names: Sequence[str], order, size: float) -> None:
+def _name_points(plot: Plot, points: np.ndarray, names: Sequence[str], order, size: float) -> None:
     """Names beside points, the first of `order` first: right or left of its point, above or below,
     where a name overlaps no other and hides as few points as can be. One that has no such place
-    inside the axis is left out. The axis has its final size by then."""
-    renderer, unit = axis.figure.canvas.get_renderer(), axis.figure.dpi / 72
-    frame, at, taken = axis.get_window_extent(renderer), axis.transData.transform(points), []
+    inside the plot is left out."""
+    size = points_wide(size)
+    least = np.array([plot.left, plot.top])
+    most = least + [plot.width, plot.height]
+    at, taken = plot.at(*points.T), []
     for i in order:
-        text = axis.annotate(names[i], points[i], (0, 0), textcoords="offset points", fontsize=size)
-        extent = text.get_window_extent(renderer)
+        wide, high = extent_of(names[i], size)
         places = []
         for right, above in ((1, 1), (0, 1), (1, 0), (0, 0)):
-            offset = np.array([6 if right else -6, 4 if above else -4])
-            low = at[i] + unit * offset - [(1 - right) * extent.width, (1 - above) * extent.height]
-            high = low + [extent.width, extent.height]
-            if (low < frame.min).any() or (high > frame.max).any():
+            x = at[i, 0] + (8 if right else -8 - wide)
+            y = at[i, 1] - (5 + high if above else -5)
+            low, up = np.array([x, y]), np.array([x + wide, y + high])
+            if (low < least).any() or (up > most).any():
                 continue
-            if any((low < other[1]).all() and (other[0] < high).all() for other in taken):
+            if any((low < other[1]).all() and (other[0] < up).all() for other in taken):
                 continue
-            hidden = ((at > low - 3 * unit) & (at < high + 3 * unit)).all(1)
+            hidden = ((at > low - 4) & (at < up + 4)).all(1)
             hidden[i] = False
-            places.append((int(hidden.sum()), len(places), offset, (low, high)))
-        if not places:
-            text.remove()
-            continue
-        _, _, offset, box = min(places, key=lambda place: place[:2])
-        taken.append(box)
-        text.set(
-            position=offset,
-            color=INK,
-            ha="left" if offset[0] > 0 else "right",
-            va="bottom" if offset[1] > 0 else "top",
-        )
+            places.append((int(hidden.sum()), len(places), (low, up)))
+        if places:
+            taken.append(min(places, key=lambda place: place[:2])[2])
+            low, up = taken[-1]
+            plot.drawing.text(low[0], (low[1] + up[1]) / 2, names[i], size)
 
 
 def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
@@ -365,60 +324,44 @@ def volumes(row: Row, path, truth: Optional[np.ndarray] = None) -> None:
 
 
 def _volumes_of_phases(row: Row, values, unit: str, truth, path) -> None:
-    figure, (axis,) = panels(8.6, 4.3)
+    drawing, (plot,) = panels(860, 430)
     phases = row.numbers()
-    label = f"{row.title}" if truth is not None else None
-    axis.plot(phases, values, color=ROBUST, lw=2.4, marker="o", ms=4, label=label)
+    plot.x, plot.y = (phases[0] - 0.5, phases[-1] + 0.5), (0, 1.2 * values.max() or 1.0)
+    plot.curve(phases, values, ROBUST, 3.3, "" if truth is None else row.title, dots=3.3)
     if truth is not None:
-        axis.plot(phases, truth, color=GREY, lw=1.8, ls=(0, (4, 3)), label="the phantom itself")
-    others = values if truth is None else truth
-    highest, lowest = int(values.argmax()), int(values.argmin())
-    for phase, at, above in (
-        (highest, max(values[highest], others[highest]), 10),
-        (lowest, min(values[lowest], others[lowest]), -19),
-    ):
-        leftwards = 2 * phase > len(phases)  # so that it stays within the picture
-        axis.annotate(
-            f"{values[phase]:.4g} {unit}",
-            (phases[phase], at),
-            textcoords="offset points",
-            xytext=(-8 if leftwards else 8, above),
-            ha="right" if leftwards else "left",
-            fontsize=11,
-            color=INK,
-        )
+        plot.curve(phases, truth, GREY, 2.5, "the phantom itself", dashes=(10, 7))
     title = "Volume over the phases"
     if row.result.order == "Cyclic time" and values.max() > 0:
         title += f": {100 * (1 - values.min() / values.max()):.0f} % ejected"
-    _titles(axis, title, "phase", f"volume, {unit}")
-    axis.set_xlim(phases[0] - 0.5, phases[-1] + 0.5)
-    axis.set_ylim(0, 1.2 * values.max())
-    axis.xaxis.get_major_locator().set_params(integer=True)
-    if truth is not None:
-        axis.legend(fontsize=10.5, loc="lower left", labelcolor=INK, frameon=False)
-    quiet_axes(axis)
-    save(figure, path)
+    plot.finish(title, "phase", f"volume, {unit}", whole=True)
+    plot.legend(plot.left + 10, plot.top + plot.height - 25 * len(plot.key) - 6)
+    others = values if truth is None else truth
+    highest, lowest = int(values.argmax()), int(values.argmin())
+    for phase, value, down in (
+        (highest, max(values[highest], others[highest]), -20),
+        (lowest, min(values[lowest], others[lowest]), 20),
+    ):
+        leftwards = 2 * phase > len(phases)  # so that it stays within the picture
+        x, y = plot.at(phases[phase], value)
+        words = f"{values[phase]:.4g} {unit}"
+        across = 1.0 if leftwards else 0.0
+        drawing.text(x + (-11 if leftwards else 11), y + down, words, LABEL, across=across)
+    drawing.save(path)
 
 
 def _volumes_of_shapes(row: Row, values, unit: str, path) -> None:
     names = [surface.name for surface in row.result.surfaces]
     few = len(names) <= BY_NAME
-    figure = new_figure(8.6, max(3.0, 1.4 + 0.24 * len(names)) if few else 4.3)
-    axis = figure.subplots()
+    beside = _beside_names(names) if few else 0
+    drawing, (plot,) = panels(860 + beside, max(300, 140 + 24 * len(names)) if few else 430)
+    plot.left, plot.width = plot.left + beside, plot.width - beside
     if few:
-        place = np.arange(len(names))[::-1]
-        axis.barh(place, values, height=0.62, color=ROBUST)
-        axis.set_yticks(place, names)
-        _titles(axis, "Volume of the shapes", f"volume, {unit}", "")
+        plot.x, plot.y = (0, 1.05 * values.max() or 1.0), (-0.6, len(names) - 0.4)
+        plot.bars(values, 0.62, ROBUST)
+        plot.finish("Volume of the shapes", f"volume, {unit}", names=names, grid="both")
     else:
-        axis.hist(values, 30, color=ROBUST)
-        _titles(axis, "Volume of the shapes", f"volume, {unit}", "shapes")
-    quiet_axes(axis, both=True)
-    figure.tight_layout()
-    save(figure, path)
-
-
-def _titles(axis, title: str, x: str, y: str) -> None:
-    panel_title(axis, title)
-    axis.set_xlabel(x, fontsize=11, color=GREY)
-    axis.set_ylabel(y, fontsize=11, color=GREY)
+        counts, edges = np.histogram(values, 30)
+        plot.x, plot.y = room(values, 0.05), (0, 1.05 * counts.max())
+        plot.histogram(counts, edges, ROBUST, filled=True)
+        plot.finish("Volume of the shapes", f"volume, {unit}", "shapes", grid="both")
+    drawing.save(path)

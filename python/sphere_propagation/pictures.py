@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-only
-"""Pictures of maps, landmarks and errors as PNG files, rendered off screen with VTK and set with
-Matplotlib.
+"""Pictures of maps, landmarks and errors, rendered off screen with VTK.
 
 All surfaces of one picture are seen from one side and at one scale, so that what moves is the heart
 and not the camera.
@@ -11,7 +10,6 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-import zlib
 from functools import lru_cache
 from importlib.util import find_spec
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -20,7 +18,9 @@ import numpy as np
 
 from .colors import map_colors, place_colors, sphere_coordinates
 from .correspondence import Correspondence
+from .drawing import GREY, Drawing
 from .filters import landmark_places
+from .plots import panels
 from .surface import Surface
 from .views import Row, chosen_phases, sphere_rotation, upright
 
@@ -28,15 +28,15 @@ if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
     # No display: say so instead of trying one.
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-# Pixels: of a picture, which the report shows 1124 wide, and of one surface in it.
-WIDTH, MAX_HEIGHT = 1280, 512
+# Pixels: of all surfaces in a line of a picture, which the report shows 1124 wide with what is
+# between and beside them; and of one surface.
+WIDTH, MAX_HEIGHT = 1060, 440
 COLUMNS = 6  # of surfaces in a picture
 # Pictures are rendered so many times as wide and high, and reduced: without a graphics card that
 # takes half the time of the renderer's own anti-aliasing.
 FINER = 2
 Place = Tuple[int, int, int, int]  # of a panel in its picture, in pixels: left, top, width, height
 NEEDED = ("matplotlib", "vtk")  # the extra `pictures`
-INK, GREY = "#1c2530", "#5b6570"
 PUBLISHED, ROBUST = "#c2410c", "#0f766e"
 
 
@@ -99,7 +99,7 @@ def maps_on_surfaces(rows: Sequence[Row], path, columns: int = COLUMNS) -> None:
 
 def root_and_sphere(rows: Sequence[Row], path) -> None:
     """Each root beside its sphere, both with the sphere's latitudes and longitudes."""
-    size = 440
+    size = 340  # of which two are about as wide as the report shows them
     scene, places = Scene(size * 2 * len(rows), size), []
     for row in rows:
         result = row.result
@@ -136,31 +136,20 @@ def root_and_sphere(rows: Sequence[Row], path) -> None:
 def errors_over_phase(rows: Sequence[Row], errors: Sequence[dict], path) -> None:
     """Error against known material points, one panel per row; `errors`: method -> mm per phase, one
     dict per row."""
-    figure, axes = panels(5.2 * len(rows) + 0.6, 4.2, (1,) * len(rows), dpi=120, sharey=True)
+    drawing, plots = panels(590 * len(rows) + 60, 440, (1,) * len(rows))
     top = max(values.max() for found in errors for values in found.values())
-    for axis, row, found in zip(axes, rows, errors):
+    for plot, row, found in zip(plots, rows, errors):
+        count = len(next(iter(found.values())))
+        plot.x, plot.y = (-0.5, count - 0.5), (0, 1.3 * top)
         for (method, values), color in zip(found.items(), (ROBUST, PUBLISHED)):
             label = f"{method}: {values.max():.1f} mm worst, {values.mean():.1f} mm mean"
-            axis.plot(values, color=color, lw=2.4, marker="o", ms=4, label=label)
-        panel_title(axis, row.title)
-        axis.set_xlabel("phase", fontsize=11, color=GREY)
-        axis.set_xlim(-0.5, len(values) - 0.5)
-        axis.set_ylim(0, 1.3 * top)
-        # None behind the legend.
-        axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= 1.05 * top])
-        quiet_axes(axis)
-        axis.legend(
-            fontsize=10.5,
-            loc="upper left",
-            labelcolor=INK,
-            frameon=True,
-            framealpha=1,
-            edgecolor="white",
-        )
-    axes[0].set_ylabel(
-        "mean distance of landmarks\nfrom their material points, mm", fontsize=11, color=GREY
-    )
-    save(figure, path)
+            plot.curve(range(count), values, color, 3.3, label, dots=3.3)
+        # No number behind the legend.
+        distance = "mean distance of landmarks\nfrom their material points, mm"
+        first = plot is plots[0]
+        plot.finish(row.title, "phase", distance if first else "", whole=True, highest=1.05 * top)
+        plot.legend(plot.left + 10, plot.top + 8)
+    drawing.save(path)
 
 
 # ---------------------------------------------------------------- what they share
@@ -217,53 +206,37 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
     ]
     heights = [row[0].shape[0] + line + (line if name else 0) for row, name in zip(panels, named)]
     height = header + sum(heights) + gap * (len(panels) - 1) + footer
-    dpi = 200
-    figure = new_figure(width / dpi, height / dpi, dpi)
-    points = 72 / dpi  # per pixel
-
-    def text(x, y, words, size, **style):
-        figure.text(x / width, 1 - y / height, words, fontsize=size * points, **style)
-
-    text(
-        margin,
-        62,
-        title,
-        min(40, (width - 2 * margin) / (0.68 * len(title))),
-        color=INK,
-        weight="bold",
-        va="center",
-    )
+    page = Drawing(width, height)
+    page.text(margin, 62, title, min(40, (width - 2 * margin) / (0.68 * len(title))), bold=True)
 
     def fitting(image, caption) -> float:
         return min(27, 1.6 * (image.shape[1] + gap) / max(len(caption), 1))
 
     # Captions of one size, unless one of them is much longer than others.
     common = min(fitting(*pair) for row, words in zip(panels, captions) for pair in zip(row, words))
-    # All images as one: an axis for each would cost more than they do.
-    page = np.full((height, width, 3), 255, np.uint8)
     top = header
     for i, (row, words) in enumerate(zip(panels, captions)):
         y = top
         if named[i]:
-            text(margin, y + line / 2, names[i], 34, color=INK, va="center")
+            page.text(margin, y + line / 2, names[i], 34)
             y += line
         x = margin
         for image, caption in zip(row, words):
             h, w = image.shape[:2]
-            page[y : y + h, x : x + w] = image
+            page.image(image, x, y)
             size = max(common, 0.75 * fitting(image, caption))
-            text(x + w / 2, y + h + line / 2, caption, size, color=GREY, ha="center", va="center")
+            page.text(x + w / 2, y + h + line / 2, caption, size, color=GREY, across=0.5)
             x += w + gap
         top += heights[i] + gap
-    add_image(figure, page, (0, 0, 1, 1))
     if key:
-        longitude, latitude = np.linspace(0, 1, 400), np.linspace(1, -1, 60)
-        colors = place_colors(longitude[None], latitude[:, None])
-        add_image(figure, colors, (0.34, 60 / height, 0.32, 56 / height))
+        longitude, latitude = np.linspace(0, 1, round(0.32 * width)), np.linspace(1, -1, 56)
+        page.image(
+            _bytes(place_colors(longitude[None], latitude[:, None])), 0.34 * width, height - 116
+        )
         middle, left, right = height - 88, 0.333 * width, 0.667 * width
-        text(left, middle, "place on the sphere: west", 26, color=GREY, ha="right", va="center")
-        text(right, middle, "east; light is north", 26, color=GREY, ha="left", va="center")
-    save(figure, path)
+        page.text(left, middle, "place on the sphere: west", 26, color=GREY, across=1.0)
+        page.text(right, middle, "east; light is north", 26, color=GREY)
+    page.save(path)
 
 
 @lru_cache(maxsize=4)
@@ -279,90 +252,6 @@ def _spacing(result: Correspondence) -> float:
     """Typical distance of neighbouring landmarks at the root."""
     points, faces = result.landmarks[result.root], result.landmark_faces
     return float(np.median(np.linalg.norm(points[faces[:, 0]] - points[faces[:, 1]], axis=1)))
-
-
-def new_figure(width: float, height: float, dpi: float = 100):
-    """An empty one; in inches. Without pyplot, which is for figures on the screen."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def add_image(figure, image, place: Sequence[float]) -> None:
-    """At a place of a figure: left, below, width, height, in parts of it. Without axes, whose ticks
-    would be made, and measured, only to be hidden."""
-    from matplotlib.image import BboxImage
-    from matplotlib.transforms import Bbox, TransformedBbox
-
-    where = TransformedBbox(Bbox.from_bounds(*place), figure.transFigure)
-    shown = BboxImage(where, interpolation="none", origin="upper", zorder=-1)
-    shown.set_data(image)
-    figure.add_artist(shown)
-
-
-MARGINS = (1.06, 0.22, 0.62, 0.46)  # inches: left, right, below and above a panel with axes
-
-
-def panels(
-    width: float,
-    height: float,
-    widths: Sequence[float] = (1,),
-    *,
-    dpi: float = 100,
-    sharey: bool = False,
-):
-    """A figure of so many inches, and axes side by side in it, with so wide parts of it each. The
-    margins have room for titles, labels and numbers of five digits: finding them by layout would
-    take as long as drawing."""
-    left, right, below, above = MARGINS
-    figure, axes, start = new_figure(width, height, dpi), [], 0.0
-    for part in widths:
-        share = part / sum(widths)
-        place = [
-            start + left / width,
-            below / height,
-            share - (left + right) / width,
-            1 - (below + above) / height,
-        ]
-        axes.append(figure.add_axes(place, sharey=axes[0] if axes and sharey else None))
-        start += share
-    return figure, axes
-
-
-def save(figure, paths) -> None:
-    """Writes a figure to a file, or to several; the endings choose the formats (png, svg, pdf)."""
-    from PIL import Image
-
-    for path in [paths] if isinstance(paths, (str, os.PathLike)) else paths:
-        if not str(path).endswith(".png"):
-            figure.savefig(path, facecolor="white")
-            continue
-        # Opaque, and quickly: the usual compression would take as long as drawing, for a tenth of
-        # the size.
-        figure.canvas.draw()
-        image = Image.frombuffer(
-            "RGBA", figure.canvas.get_width_height(), figure.canvas.buffer_rgba()
-        )
-        dots = (figure.dpi, figure.dpi)
-        image.convert("RGB").save(path, dpi=dots, compress_type=zlib.Z_RLE)
-
-
-def panel_title(axis, title: str) -> None:
-    """At its place: finding one above the ticks would measure every one of them."""
-    axis.set_title(title, fontsize=13, color=INK, loc="left", weight="bold", y=1)
-
-
-def quiet_axes(axis, both: bool = False) -> None:
-    """A light grid, across or both ways, and no frame."""
-    axis.grid(axis="both" if both else "y", color="#e5e7eb", lw=1)
-    axis.set_axisbelow(True)
-    axis.tick_params(colors=GREY, length=0, labelleft=True)
-    for side in ("top", "right", "left"):
-        axis.spines[side].set_visible(False)
-    axis.spines["bottom"].set_color("#9ca3af")
 
 
 class Scene:
@@ -604,6 +493,16 @@ def _chart_coordinates(chart: str, longitude: np.ndarray, latitude: np.ndarray) 
     return np.c_[0.5 + radius * np.cos(angle), 0.5 + radius * np.sin(angle)]
 
 
+@lru_cache(maxsize=1)
+def _cap_places():
+    """Longitudes and latitudes of the northern cap's texture; the southern one's are its mirror
+    images."""
+    across = ((np.arange(384, dtype=np.float32) + 0.5) / 192 - 1) * REACH
+    x, y = across[None], -across[:, None]
+    latitude = np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
+    return np.arctan2(y, x) / (2 * np.pi) % 1, latitude
+
+
 @lru_cache(maxsize=3)
 def _texture(chart: str):
     from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -611,14 +510,12 @@ def _texture(chart: str):
     from vtkmodules.vtkRenderingCore import vtkTexture
 
     if chart == BELT:
-        longitude = (np.arange(896) + 0.5) / 896
-        latitude = (np.arange(448, 0, -1) - 0.5) / 224 - 1
+        longitude = (np.arange(896, dtype=np.float32) + 0.5) / 896
+        latitude = (np.arange(448, 0, -1, dtype=np.float32) - 0.5) / 224 - 1
         colors = _bytes(map_colors(longitude[None], latitude[:, None]))
     else:
-        across = ((np.arange(384) + 0.5) / 192 - 1) * REACH
-        x, y = across[None], -across[:, None]
-        latitude = (1 if chart == NORTH else -1) * np.clip(1 - np.hypot(x, y) / (np.pi / 2), -1, 1)
-        colors = _bytes(map_colors(np.arctan2(y, x) / (2 * np.pi) % 1, latitude))
+        longitude, latitude = _cap_places()
+        colors = _bytes(map_colors(longitude, latitude if chart == NORTH else -latitude))
     image, texture = vtkImageData(), vtkTexture()
     image.SetDimensions(colors.shape[1], colors.shape[0], 1)
     rows = np.ascontiguousarray(colors[::-1]).reshape(-1, 3)

@@ -18,11 +18,13 @@ from PIL import Image
 from sphere_propagation import (
     citation,
     command,
+    drawing,
     filters,
     gallery,
     model_pictures,
     parameters,
     pictures,
+    plots,
 )
 from sphere_propagation.colors import place_colors, sphere_coordinates
 from sphere_propagation.views import Row
@@ -171,16 +173,9 @@ def test_the_module_ends_quietly_when_nobody_reads_on():
     assert "Traceback" not in found.stderr and "Error" not in found.stderr
 
 
-def words_of(figure_words, monkeypatch):
-    """All texts of the figures that are saved within."""
-    monkeypatch.setattr(
-        pictures,
-        "save",
-        save := lambda figure, path: figure_words.extend(
-            text.get_text() for text in figure.findobj(lambda part: hasattr(part, "get_text"))
-        ),
-    )
-    monkeypatch.setattr(model_pictures, "save", save)
+def words_of(said, monkeypatch):
+    """All texts of the pages that are saved within."""
+    monkeypatch.setattr(drawing.Drawing, "save", lambda page, path: said.extend(page.words))
 
 
 def test_pictures_of_shapes_speak_of_shapes(cycle, model, tmp_path, monkeypatch):
@@ -190,9 +185,9 @@ def test_pictures_of_shapes_speak_of_shapes(cycle, model, tmp_path, monkeypatch)
     row = Row("insects", replace(cycle, surfaces=named, order="Similarity tree"))
     model = replace(model, names=list("ABCDEF"))
     section = gallery.Section([row], [], model=model)
-    captions = [drawing.caption(section) for drawing in gallery._drawings(section.kinds)]
-    for drawing in gallery._drawings(section.kinds):
-        drawing.draw(section, tmp_path / "x.png")
+    captions = [each.caption(section) for each in gallery._drawings(section.kinds)]
+    for each in gallery._drawings(section.kinds):
+        each.draw(section, tmp_path / "x.png")
     whole = "\n".join(said + captions)
     assert not re.search(r"phase|cycle|eject|way through", whole)
     assert set("ABCDEF") <= set(said) and "Volume of the shapes" in said
@@ -214,46 +209,121 @@ def test_names_beside_points_do_not_overlap():
     for count, spread in ((10, 1.0), (40, 1.0), (40, 0.02), (1, 1.0)):
         points = spread * generator.normal(size=(count, 2))
         names = [f"specimen number {k}" for k in range(count)]
-        figure = pictures.new_figure(6, 5)
-        axis = figure.subplots()
-        axis.scatter(*points.T)
-        axis.margins(0.16)
-        figure.tight_layout()
+        page, (plot,) = plots.panels(600, 500)
+        plot.x, plot.y = (plots.room(points[:, k], 0.16) for k in range(2))
         far = np.argsort(-np.hypot(*points.T))
-        model_pictures._name_points(axis, points, names, far, 9)
-        figure.canvas.draw()
-        boxes = [text.get_window_extent() for text in axis.texts]
-        assert names[far[0]] in [text.get_text() for text in axis.texts]
-        assert len(boxes) >= min(count, 8)
-        for k, box in enumerate(boxes):
-            assert not any(box.overlaps(other) for other in boxes[:k])
-            assert axis.bbox.x0 <= box.x0 and box.x1 <= axis.bbox.x1
+        model_pictures._name_points(plot, points, names, far, 9)
+        assert names[far[0]] in page.words and len(page.words) >= min(count, 8)
+        boxes = [box_of(text) for text in page.parts]
+        for k, (low, high) in enumerate(boxes):
+            assert not any((low < up).all() and (down < high).all() for down, up in boxes[:k])
+            assert plot.left <= low[0] and high[0] <= plot.left + plot.width
+
+
+def box_of(text):
+    """Upper left and lower right corner of what is written."""
+    wide, high = drawing.extent_of(text.words, text.size, text.bold)
+    if text.upwards:
+        low = np.array([text.x - high / 2, text.y - (1 - text.across) * wide])
+        return low, low + [high, wide]
+    low = np.array([text.x - text.across * wide, text.y - high / 2])
+    return low, low + [wide, high]
 
 
 def test_margins_have_room_for_labels():
-    """They are fixed, so that no layout is needed, and hold what is written beside the axes."""
+    """They are fixed, so that no layout is needed, and hold what is written beside the frames."""
     for top in (1e-4, 1.0, 12345.0):
-        figure, axes = pictures.panels(13.6, 4.3, (2, 1, 1))
-        for axis in axes:
-            axis.plot([0, 30], [-top, top])
-            model_pictures._titles(axis, "Generalisation", "modes", "distance of a shape left out")
-            pictures.quiet_axes(axis)
-        figure.canvas.draw()
-        boxes = [axis.get_tightbbox() for axis in axes]
-        ends = [box.x1 for box in boxes]
-        for box, before in zip(boxes, [0, *ends]):
-            assert box.x0 >= before and box.y0 >= 0
-            assert box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
+        page, found = plots.panels(1360, 430, (2, 1, 1))
+        end = 0
+        for plot in found:
+            page.parts.clear()
+            plot.x, plot.y = (0, 30), (-top, top)
+            plot.curve([0, 30], [-top, top], "#000000", 2)
+            plot.finish("Generalisation", "modes", "distance of a shape left out")
+            assert len(page.words) > 8
+            boxes = [box_of(part) for part in page.parts if isinstance(part, drawing.Text)]
+            low = np.min([box[0] for box in boxes], 0)
+            high = np.max([box[1] for box in boxes], 0)
+            assert low[0] >= end and low[1] >= 0 and high[1] <= page.height
+            end = high[0]
+        assert end <= page.width
+
+
+@pytest.mark.parametrize(
+    "low, high, most, whole, expected",
+    [
+        (0, 1, 5, False, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]),
+        (-1.6, 2.1, 6, False, ["\N{MINUS SIGN}1", "0", "1", "2"]),
+        (0, 105, 6, False, ["0", "20", "40", "60", "80", "100"]),
+        (0, 3e-4, 4, False, ["0.0000", "0.0001", "0.0002", "0.0003"]),
+        (-0.5, 4.5, 8, True, ["0", "1", "2", "3", "4"]),
+        (-0.5, 29.5, 8, True, ["0", "5", "10", "15", "20", "25"]),
+        (7, 8, 9, True, ["7", "8"]),
+    ],
+)
+def test_ticks_are_round_numbers(low, high, most, whole, expected):
+    assert plots.labels(plots.ticks(low, high, most, whole)) == expected
 
 
 def test_images_keep_their_pixels(tmp_path):
-    figure = pictures.new_figure(2, 1)
+    page = drawing.Drawing(200, 100)
     image = np.random.default_rng(0).integers(0, 255, (50, 200, 3), np.uint8)
-    pictures.add_image(figure, image, (0, 0.5, 1, 0.5))  # the upper half
-    pictures.save(figure, [tmp_path / "x.png", tmp_path / "x.svg"])
+    page.image(image, 0, 0)  # the upper half
+    page.save([tmp_path / "x.png", tmp_path / "x.svg"])
     with Image.open(tmp_path / "x.png") as found:
         assert (np.asarray(found)[:50] == image).all() and (np.asarray(found)[50:] == 255).all()
+        assert found.info["dpi"] == pytest.approx((100, 100), abs=0.1)
     assert "<image" in (tmp_path / "x.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda page: page.line([(20, 20), (120, 20), (120, 90)], "#0f766e", 5),
+        lambda page: page.line([(20, 180), (132, 180)], "#c2410c", 5, (20, 12)),
+        lambda page: page.area([(160, 20), (220, 20), (190, 80)], "#6d4aad"),
+        lambda page: page.dots([(250, 40), (270, 100)], 9, ["#1c2530", "#0f766e"]),
+        lambda page: page.text(20, 130, "to the right", 20),
+        lambda page: page.text(150, 130, "in the middle", 20, bold=True, across=0.5),
+        lambda page: page.text(280, 150, "to the left", 20, color="#5b6570", across=1.0),
+        lambda page: page.text(240, 100, "from below", 14, across=0.5, upwards=True),
+        lambda page: page.text(240, 190, "up to the top", 14, upwards=True),
+        lambda page: page.text(240, 10, "below the top", 14, across=1.0, upwards=True),
+        lambda page: page.image(np.full((30, 50, 3), 99, np.uint8), 60, 70),
+    ],
+)
+def test_pages_are_the_same_in_all_formats(tmp_path, draw):
+    """As Pillow draws them, and as Matplotlib does, which writes SVG and PDF: what is drawn takes
+    the same place, in the same colour."""
+    page = drawing.Drawing(300, 200)
+    draw(page)
+    page.save(tmp_path / "x.png")
+    drawing._Vector(page).write(tmp_path / "y.png")
+    found = []
+    for name in ("x.png", "y.png"):
+        with Image.open(tmp_path / name) as image:
+            pixels = np.asarray(image.convert("RGB"), float)
+        down, across = np.nonzero(pixels.min(2) < 200)
+        inked = pixels[down, across]
+        ends = [across.min(), across.max(), down.min(), down.max()]
+        found.append((ends, inked.mean(0), np.median(inked, 0)))
+    assert found[0][0] == pytest.approx(found[1][0], abs=4)
+    for k in (1, 2):  # mean and median: edges are as sharp, but for a pixel
+        assert found[0][k] == pytest.approx(found[1][k], abs=45)
+
+
+def test_png_needs_no_matplotlib(tmp_path):
+    """Which takes as long to load as half of the pictures."""
+    code = (
+        "import sys\n"
+        "from sphere_propagation import drawing\n"
+        "page = drawing.Drawing(90, 40)\n"
+        "page.text(5, 20, 'words', 20)\n"
+        "page.line([(0, 0), (90, 40)], '#000000', 2)\n"
+        "page.save(sys.argv[1])\n"
+        "assert 'matplotlib' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code, tmp_path / "x.png"], check=True)
 
 
 def test_pictures_are_as_large_as_the_page_shows_them(cycle, tmp_path):
