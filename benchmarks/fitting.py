@@ -18,7 +18,6 @@ every promise, not for 95 % alone, as calibrated and before.
 """
 
 import argparse
-import itertools
 import os
 import time
 import warnings
@@ -26,8 +25,9 @@ from pathlib import Path
 
 import numpy as np
 import sphere_propagation as sp
+from matplotlib.figure import Figure
 from scipy.special import erfinv
-from sphere_propagation import pictures, plots
+from sphere_propagation.drawing import GREY
 
 DATA = Path(os.environ.get("SPHERE_PROPAGATION_DATA", "../shared/data"))
 SETS = ("heart", "skulls", "hippocampus", "head", "wall")
@@ -193,20 +193,22 @@ def draw_calibration(ratios, file):
     line a set; dotted where nothing had been calibrated."""
     promised = np.linspace(0.02, 0.99, 98)
     bounds = np.sqrt(2) * erfinv(promised)  # in standard deviations
-    drawing, axes = plots.panels(3 * 380, 420, (1,) * len(DRAWN))
-    colors = (pictures.ROBUST, pictures.PUBLISHED, "#6d4aad", "#2563a8", "#8a6d1d")
-    for plot, case in zip(axes, DRAWN):
-        plot.width = plot.height = min(plot.width, plot.height)
-        plot.curve([0, 1], [0, 1], "#cccccc", 1.4)
-        names = dict.fromkeys(name for name, _ in ratios)
-        for color, name in zip(itertools.cycle(colors), names):
+    figure = Figure(figsize=(11, 4.4), dpi=100)
+    axes = figure.subplots(1, len(DRAWN), sharey=True)
+    for ax, case in zip(axes, DRAWN):
+        ax.plot([0, 1], [0, 1], color="0.8", lw=1)
+        for color, name in enumerate(dict.fromkeys(name for name, _ in ratios)):
             after, before = (np.concatenate(r) for r in zip(*ratios[name, case]))
-            for values, dashes, label in ((before, (3, 4), ""), (after, None, name)):
+            for values, style, label in ((before, ":", None), (after, "-", name)):
                 inside = (values[:, None] < bounds).mean(0)
-                plot.curve(promised, inside, color, 2.2, label, dashes=dashes)
-        plot.finish(case, "share promised", "share of coordinates inside" * (plot is axes[0]))
-    axes[0].legend(axes[0].left + 10, axes[0].top + 8)
-    drawing.save(file)
+                ax.plot(promised, inside, style, color=f"C{color}", lw=1.6, label=label)
+        ax.set_title(case, fontsize=11, color=GREY)
+        ax.set_xlabel("share promised", color=GREY)
+        ax.set(xlim=(0, 1), ylim=(0, 1), aspect="equal")
+    axes[0].set_ylabel("share of coordinates inside", color=GREY)
+    axes[0].legend(frameon=False, loc="upper left", fontsize=9)
+    figure.tight_layout()
+    figure.savefig(file)
 
 
 def kabsch(x, y):
