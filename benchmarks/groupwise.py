@@ -4,11 +4,14 @@
 PyMeshLab, with every parameter of the filters as it comes, but for one column.
 
     groupwise.py [DATA] [NAME ...]
+    groupwise.py [DATA] --measures NAME ...
     groupwise.py [DATA] --many N ...
 
     DATA    folder with classic and finch_skulls
             (default SPHERE_PROPAGATION_DATA, else ../shared/data)
     NAME    rows to print: bump, ellipsoids, skull, hippocampus, "other skull", head (default: all)
+    --measures  what compactness, generalisation and specificity say of one mode, between landmarks
+            and between surfaces, of the truth, after propagation and after each objective
     --many  what N shapes cost instead (warped hippocampi of 3000 vertices, of one mesh)
 
 Every shape is meshed anew, so that its vertices say nothing, with noise of a twentieth of the mean
@@ -158,6 +161,72 @@ def cost_of(project, name, **parameters):
     return returned, time.process_time() - start
 
 
+def shape_model(meshes, found, faces):
+    """Of landmarks and the surfaces that they lie on, with one mode."""
+    project = pymeshlab.MeshSet()
+    for k, points in enumerate(found):
+        project.add_mesh(pymeshlab.Mesh(points, faces), f"{k} landmarks")
+    for k, (vertices, triangles) in enumerate(meshes):
+        project.add_mesh(pymeshlab.Mesh(vertices, triangles.astype(np.int32)), str(k))
+    return project.apply_filter(
+        "compute_statistical_shape_model",
+        alignment="None",
+        modes=1,
+        mode_layers=0,
+        surface_measures=True,
+    )
+
+
+def print_measures(data, measure, names):
+    """Of one mode, for several ways to correspondence."""
+    print(
+        "| landmarks | error | variance of mode 1 | generalisation | specificity | between surfaces: "
+        "generalisation | specificity | off the surface | folded faces |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    )
+    made = populations(data, measure)
+    for name in names:
+        make, vertices, seed = made[name]
+        random = np.random.RandomState(seed)
+        truth = make(random)
+        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+
+        def row(words, found, faces):
+            said = shape_model(meshes, found, faces)
+            error = error_of_pairs(measure, truth, found, faces)
+            share = 100 * said["variance_share"][0]
+            figures = (
+                *(said[key][0] for key in ("generalisation", "specificity")),
+                *(said[f"surface_{key}"][0] for key in ("generalisation", "specificity")),
+                said["off_surface"].mean(),
+            )
+            cells = [f"{name}, {words}", f"{error:.2f}", f"{share:.0f} %"]
+            cells += [f"{figure:.2f}" for figure in figures]
+            print(
+                "| " + " | ".join([*cells, f"{said['folded_faces'].sum():.0f}"]) + " |", flush=True
+            )
+
+        for objective in (None, "Population model", "Description length"):
+            project = propagated(meshes)
+            if objective:
+                project.apply_filter(
+                    "compute_spherical_parameterisation_groupwise",
+                    alignment="None",
+                    objective=objective,
+                )
+            found = landmarks(project)
+            faces = project.mesh(SHAPES).face_matrix()
+            if not objective:
+                face, weight, _ = measure.closest_points(*truth.at(0), found[0])
+                corners = truth.faces[face]
+                row(
+                    "truth",
+                    [np.einsum("pk,pkj->pj", weight, shape[corners]) for shape in truth.shapes],
+                    faces,
+                )
+            row(objective or "propagated", found, faces)
+
+
 def print_costs(data, measure, counts):
     """CPU seconds by number of shapes."""
     vertex, faces = measure.read_ply(data / "classic/hippocampus.ply")
@@ -192,6 +261,9 @@ def main():
     data = Path(names.pop(0)).resolve() if names and Path(names[0]).is_dir() else DATA
     measure, _ = yardstick(data)
     pymeshlab.load_plugin(str(PLUGIN))
+    if names[:1] == ["--measures"]:
+        print_measures(data, measure, names[1:])
+        return
     if names[:1] == ["--many"]:
         print_costs(data, measure, names[1:])
         return

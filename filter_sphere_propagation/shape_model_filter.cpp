@@ -30,6 +30,7 @@
 #include "vcg_ext/model/outliers.h"
 #include "vcg_ext/model/procrustes.h"
 #include "vcg_ext/model/shape_model.h"
+#include "vcg_ext/model/surface_measures.h"
 
 namespace sphere_propagation {
 namespace {
@@ -119,9 +120,23 @@ TrainingSet withoutLids(const host::Task& task, TrainingSet set,
   return left > 0 ? set.without(leave) : set;
 }
 
+/// The faces that have no vertex on a lid.
+Triangles facesWithout(const Triangles& faces, const std::vector<int>& lids) {
+  Triangles kept(faces.rows(), 3);
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    bool isLid = false;
+    for (int c = 0; c < 3; ++c) isLid = isLid || lids[static_cast<size_t>(faces(f, c))] > 0;
+    if (!isLid) kept.row(count++) = faces.row(f);
+  }
+  kept.conservativeResize(count, 3);
+  return kept;
+}
+
 struct Shapes {
   TrainingSet set;
-  std::vector<AnchorSet> anchors;  // of each shape
+  std::vector<AnchorSet> anchors;       // of each shape
+  std::vector<SampledSurface> sampled;  // where they are asked for
 };
 
 /// Of a landmark layer: its own, those of the surface that it was made of, or, where they are asked
@@ -162,10 +177,28 @@ std::vector<Points> inRows(const std::vector<AnchorSet>& anchors) {
   return points;
 }
 
+/// What the landmark layers were sampled from. withoutLids: whether the model leaves those out.
+std::vector<SampledSurface> surfacesOf(const host::Task& task,
+                                       const std::vector<host::Layer>& layers, bool withoutLids) {
+  const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
+  const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
+  std::vector<SampledSurface> sampled;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    if (!sources[i]) throw host::Refusal(messages::noSurfaceToMeasure, layers[i].label());
+    const host::Layer& source = surfaces[*sources[i]];
+    MeshContent content = source.content();
+    const std::vector<int> lids =
+        withoutLids ? source.lids(content.meshVertex) : std::vector<int>();
+    sampled.push_back({std::move(content.vertices), std::move(content.faces)});
+    if (!lids.empty()) sampled.back().faces = facesWithout(sampled.back().faces, lids);
+  }
+  return sampled;
+}
+
 /// The visible landmark layers as shapes that correspond. They are taken as points: their faces are
 /// the icosphere's, and which way these look tells a mirror image, which is named later, but no
 /// fault of a layer.
-Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles) {
+Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool withSurfaces) {
   std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
   if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(layers);
@@ -192,8 +225,10 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles) {
   if (!mirrored.empty() && !others.empty())
     task.sayNaming(mirrored, messages::matrixMirrors, namesIn(mirrored));
   shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
-  return {withoutLids(task, std::move(set), shapesWithLid, rule),
-          anchorsOf(task, layers, anchorsInFiles)};
+  TrainingSet kept = withoutLids(task, std::move(set), shapesWithLid, rule);
+  const bool lidsGo = kept.leftOut().size() > 0;
+  return {std::move(kept), anchorsOf(task, layers, anchorsInFiles),
+          withSurfaces ? surfacesOf(task, layers, lidsGo) : std::vector<SampledSurface>()};
 }
 
 void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {
@@ -315,6 +350,7 @@ class ShapeModelFilter : public host::Filter {
                     "Mean and modes (*.ply);;Table of scores (*.csv)"}),
             help_.parameter("beside_shapes", host::hasWindow()),
             help_.parameter("area_weights", false).asAdvanced(),
+            help_.parameter("surface_measures", false).asAdvanced(),
             help_.parameter("specificity_samples", measures.samples).asAdvanced(),
             help_.parameter("seed", static_cast<int>(measures.seed)).asAdvanced()};
   }
@@ -340,7 +376,9 @@ class ShapeModelFilter : public host::Filter {
     const std::string file = task.values.newFile("export_file");
     if (!file.empty()) requireExportable(file);
 
-    const Shapes shapes = shapesOf(task, lidRule, asked.byAnchors);
+    const bool bySurfaces = task.values.flag("surface_measures");
+
+    const Shapes shapes = shapesOf(task, lidRule, asked.byAnchors, bySurfaces);
     const TrainingSet& given = shapes.set;
     report(task.progress, 0.1);
     const Aligned aligned =
@@ -349,12 +387,30 @@ class ShapeModelFilter : public host::Filter {
                         : alignShapes(given, procrustes);
     report(task.progress, 0.3);
     const Eigen::Index most = modesWanted > 0 ? modesWanted : given.shapeCount();
-    const ShapeModel all = buildShapeModel(aligned.shapes, host::coordinateEpsilon(), most,
-                                           part(task.progress, 0.3, 0.5));
+    const ShapeModel all =
+        buildShapeModel(aligned.shapes, host::coordinateEpsilon(),
+                        bySurfaces ? given.shapeCount() : most, part(task.progress, 0.3, 0.5));
     ShapeModel model = all.truncated(most);
     model.landmarkNames = namedLandmarks(given, shapes.anchors);
-    const ModelMeasures measures =
-        measureModel(all, model.modeCount(), measureParameters, part(task.progress, 0.5, 0.9));
+    const ModelMeasures measures = measureModel(all, model.modeCount(), measureParameters,
+                                                part(task.progress, 0.5, bySurfaces ? 0.6 : 0.9));
+    host::Outputs outputs;
+    if (bySurfaces) {
+      SurfaceMeasureParameters surfaceParameters;
+      surfaceParameters.modes =
+          static_cast<int>(std::min<Eigen::Index>(surfaceParameters.modes, model.modeCount()));
+      surfaceParameters.seed = measureParameters.seed;
+      const SurfaceMeasures found =
+          measureSurfaces(all, given, aligned.shapes, shapes.sampled, surfaceParameters,
+                          part(task.progress, 0.6, 0.9));
+      say(task, found);
+      outputs["surface_generalisation"] = found.generalisation;
+      outputs["surface_generalisation_error"] = found.generalisationError;
+      outputs["surface_specificity"] = found.specificity;
+      outputs["surface_specificity_error"] = found.specificityError;
+      outputs["off_surface"] = found.offSurface;
+      outputs["folded_faces"] = Eigen::VectorXd(found.foldedFaces.cast<double>());
+    }
 
     const Eigen::Index modes = model.modeCount();
     task.log(counted(given.shapeCount(), "shape", "shapes") + " of " +
@@ -393,7 +449,6 @@ class ShapeModelFilter : public host::Filter {
     task.say(messages::modelBuilt, given.shapeCount(), modes,
              hiddenLeftOut(task.layers, host::LayerKind::Landmarks));
 
-    host::Outputs outputs;
     outputs["eigenvalues"] = model.eigenvalues;
     outputs["compactness"] = measures.compactness;
     outputs["variance_share"] =
@@ -424,6 +479,15 @@ class ShapeModelFilter : public host::Filter {
   }
 
  private:
+  static void say(const host::Task& task, const SurfaceMeasures& found) {
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(found.generalisation.size(), 3); ++m)
+      task.log("between surfaces, with " + counted(m + 1, "mode", "modes") + ": generalisation " +
+               shortNumber(found.generalisation[m]) + ", specificity " +
+               shortNumber(found.specificity[m]));
+    task.say(messages::offSurface, found.offSurface.mean(), found.offSurface.maxCoeff(),
+             found.foldedFaces.sum());
+  }
+
   const host::Help help_{"compute_statistical_shape_model",
                          {{"file_endings", modelFileEndings()},
                           {"max_samples", std::to_string(ModelMeasureParameters::maxSamples)}}};

@@ -68,6 +68,12 @@ MAX_LANDMARKS = 20_000_000
 LISTED = 5  # names in a message
 
 Figures = Dict[str, np.ndarray]  # name -> one entry per layer, in layer order, root included
+# Of shape models that are measured between surfaces.
+SURFACE_MEASURES = (
+    *("surface_generalisation", "surface_generalisation_error"),
+    *("surface_specificity", "surface_specificity_error"),
+    *("off_surface", "folded_faces"),
+)
 MAP_FIGURES = ("flipped_faces", "area_ratio_sd", "area_log_mean", "angle_error_mean", "seconds")
 
 
@@ -766,6 +772,7 @@ def shape_model(
     seed: int = 0,
     landmark_names: Optional[Mapping[str, int]] = None,
     anchors: Union[None, AnchorFit, Sequence[Optional[Mapping[str, Sequence[float]]]]] = None,
+    surfaces: Optional[Sequence[SurfaceLike]] = None,
 ) -> ShapeModel:
     """Mean, modes and scores of landmarks that correspond, and how good a model they make:
     `shape_model(*remesh(...)[:2])`.
@@ -786,11 +793,13 @@ def shape_model(
     fitted to the model (`fit`); in .npz files, too.
     anchors: for the alignment by them: those of Correspondence or Propagation, or one dictionary
     (name -> x, y, z) or None per shape. Each shape needs three that others have, too.
+    surfaces: those that the landmarks lie on, one per shape, for measures between surfaces
+    (surface_measures of the filter), which the result then has as surface_figures.
 
     Identical shapes make a model without modes.
     """
-    surfaces = _landmark_meshes(points, faces, names, lid)
-    named = model_files.checked_names(landmark_names, len(surfaces[0].vertices))
+    shapes = _landmark_meshes(points, faces, names, lid)
+    named = model_files.checked_names(landmark_names, len(shapes[0].vertices))
     if isinstance(anchors, AnchorFit):
         anchors = anchors.of_surfaces()
     if isinstance(anchors, (str, Path)):
@@ -801,8 +810,15 @@ def shape_model(
     by_anchors = isinstance(rule, str) and rule in ALIGNMENTS_BY_ANCHORS
     if by_anchors and anchors is None:
         raise InputError(f"alignment: {alignment!r} needs anchors.")
-    places = anchors_of(anchors, len(surfaces))[0] if by_anchors else None
-    meshes = layers.mesh_set(surfaces, anchors=places)
+    places = anchors_of(anchors, len(shapes))[0] if by_anchors else None
+    sampled = [] if surfaces is None else as_surfaces(surfaces)
+    if surfaces is not None and len(sampled) != len(shapes):
+        raise InputError(
+            f"surfaces must be one per shape: {len(sampled)} for {len(shapes)} shapes."
+        )
+    if places is not None:
+        places += [{}] * len(sampled)
+    meshes = layers.mesh_set(shapes + sampled, anchors=places)
     returned = layers.apply(
         meshes,
         MODEL,
@@ -814,11 +830,12 @@ def shape_model(
         area_weights=area_weights,
         specificity_samples=specificity_samples,
         seed=seed,
+        surface_measures=surfaces is not None,
     )
-    if returned["shapes"] != len(surfaces):
+    if returned["shapes"] != len(shapes):
         raise FilterError(
             MODEL,
-            f"Of {len(surfaces)} shapes only {returned['shapes']} were taken for landmarks: the "
+            f"Of {len(shapes)} shapes only {returned['shapes']} were taken for landmarks: the "
             "others lie on the unit sphere, or are called like a layer of a shape model.",
         )
     kept, count = returned["modes"], returned["landmarks"]
@@ -831,9 +848,9 @@ def shape_model(
         np.reshape(returned["mean"], (count, 3)),
         np.reshape(returned["mode_vectors"], (kept, count, 3)),
         returned["eigenvalues"],
-        np.reshape(returned["scores"], (len(surfaces), kept)),
-        number[surfaces[0].faces[~left_out[surfaces[0].faces].any(1)]].astype(np.int32),
-        [surface.name for surface in surfaces],
+        np.reshape(returned["scores"], (len(shapes), kept)),
+        number[shapes[0].faces[~left_out[shapes[0].faces].any(1)]].astype(np.int32),
+        [shape.name for shape in shapes],
         returned["total_variance"],
         {
             name: returned[name]
@@ -848,6 +865,7 @@ def shape_model(
         },
         left_out,
         landmark_names=named,
+        surface_figures={name: returned[name] for name in SURFACE_MEASURES} if sampled else {},
     )
 
 

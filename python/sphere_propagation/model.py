@@ -30,6 +30,9 @@ class ShapeModel:
     noise_variance: per coordinate, of what the modes leave out, as models of statismo have it; 0
     where that is not known.
     landmark_names: number of the model's landmark by name, of those that have one, as anchors.
+    surface_figures: of a model that was measured between surfaces, by number of modes, up to ten:
+    surface_generalisation and surface_specificity with their errors; per shape: off_surface and
+    folded_faces.
     """
 
     mean: np.ndarray
@@ -43,6 +46,7 @@ class ShapeModel:
     lid: Optional[np.ndarray] = None
     noise_variance: float = 0.0
     landmark_names: Mapping[str, int] = field(default_factory=dict)
+    surface_figures: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def compactness(self) -> np.ndarray:

@@ -83,6 +83,7 @@ FLAGS = (
     "residual_quality",
     "root_error_quality",
     "skip_incomplete_phases",
+    "surface_measures",
     "uncertainty_quality",
     "weld",
 )

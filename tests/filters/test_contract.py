@@ -121,6 +121,7 @@ PARAMETERS = {
         "export_file": "",
         "beside_shapes": False,
         "area_weights": False,
+        "surface_measures": False,
         "specificity_samples": 1000,
         "seed": 0,
     },

@@ -779,3 +779,53 @@ def test_other_names_for_files(tmp_path, monkeypatch):
     before = snapshot(ms)
     ms.apply_filter(MODEL)
     assert snapshot(ms) == before and len(list(tmp_path.iterdir())) == 3
+
+
+def sampled_project(phases=5):
+    """Surfaces and their landmark layers."""
+    ms = mapped_cycle(phases)
+    ms.apply_filter(REMESH, frequency=6)
+    return ms
+
+
+def test_measures_between_surfaces_are_returned_where_they_are_asked_for():
+    ms = sampled_project()
+    returned = ms.apply_filter(MODEL, surface_measures=True)
+    for name in ("generalisation", "specificity"):
+        assert len(returned[f"surface_{name}"]) == returned["modes"] == 4
+        assert (returned[f"surface_{name}_error"] > 0).all()
+        # Closest points are never farther than those that correspond.
+        assert (returned[f"surface_{name}"] < returned[name] + returned["off_surface"].max()).all()
+    assert len(returned["off_surface"]) == len(returned["folded_faces"]) == 5
+    assert (returned["off_surface"] > 0).all() and returned["off_surface"].max() < 1.5
+    assert not returned["folded_faces"].any()
+    assert not {"off_surface", "surface_generalisation"} & set(ms.apply_filter(MODEL))
+
+
+def test_distances_from_the_surface_are_those_of_remeshing():
+    """Of the other direction alone, and at vertices."""
+    ms = mapped_cycle(5)
+    remeshed = ms.apply_filter(REMESH, frequency=6)
+    model = ms.apply_filter(MODEL, surface_measures=True, alignment="None")
+    assert np.allclose(model["off_surface"], remeshed["surface_distance_mean"], rtol=0.5)
+
+
+def test_measures_between_surfaces_need_the_surfaces():
+    ms = sampled_project()
+    ms.set_current_mesh(1)
+    ms.delete_current_mesh()
+    with refused(ms, "The surface that", "is not in the project"):
+        ms.apply_filter(MODEL, surface_measures=True)
+    ms.apply_filter(MODEL)
+
+
+def test_measures_between_surfaces_leave_lids_to_nobody():
+    ms = sampled_project()
+    whole = ms.apply_filter(MODEL, surface_measures=True)
+    for mesh in ms:
+        top = mesh.vertex_matrix()[:, 2]
+        mesh.add_vertex_custom_scalar_attribute((top > np.quantile(top, 0.8)).astype(float), "lid")
+    returned = ms.apply_filter(MODEL, surface_measures=True)
+    assert returned["lid"].any()
+    # Had the surfaces kept what the model leaves out, this would be some millimetres.
+    assert returned["off_surface"].max() < 2 * whole["off_surface"].max()

@@ -26,8 +26,8 @@ FUNCTIONS = {
     sp.evaluate: (filters.EVALUATE, set()),
     sp.shape_model: (
         filters.MODEL,
-        {"standard_deviations", "mode_layers", "beside_shapes"},
-    ),  # of the layers that show modes
+        {"standard_deviations", "mode_layers", "beside_shapes", "surface_measures"},
+    ),  # of the layers that show modes; and what is on where surfaces are given
     sp.map_colors: (
         filters.COLOR,
         {"store_area_ratio", "landmark_layers"},
@@ -72,6 +72,7 @@ def test_parameters_are_the_filters(function):
     if function is sp.shape_model:
         del found["lid"]  # marks, which layers carry themselves
         del found["anchors"]  # the same
+        del found["surfaces"]  # which are layers, too
         del found["landmark_names"]  # which are written into the file afterwards
     if function is sp.parameterise_root:
         del found["anchors"]  # which layers carry themselves

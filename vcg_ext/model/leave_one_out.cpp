@@ -31,7 +31,8 @@ class Downdate {
  public:
   struct Mode {
     double eigenvalue = 0;
-    double square = 0;  ///< of rho x along it
+    double square = 0;              ///< of rho x along it
+    double origin = 0, offset = 0;  ///< eigenvalue = origin + offset, exactly
   };
 
   /// d: falling, > 0. null: where rho x^T D^-1 x comes that close to 1, where it is when nothing is
@@ -73,7 +74,7 @@ class Downdate {
       ++root_;
       return upcoming_;
     }
-    return {untouched_[kept_++], 0};
+    return {untouched_[kept_++]};
   }
 
  private:
@@ -99,13 +100,15 @@ class Downdate {
   }
 
   /// What is left of the shape along a vector with this slope of the sum.
-  Mode mode(double eigenvalue, double slope) const { return {eigenvalue, rho_ / slope}; }
+  Mode mode(double origin, double offset, double slope) const {
+    return {origin + offset, rho_ / slope, origin, offset};
+  }
 
   /// The zero below pole l, mu as the distance t from its nearer pole, so that differences are
   /// exact. Poles far off are summed up once or twice per zero, and their sum continued from there.
   Mode solve(Eigen::Index l) {
     const bool last = l + 1 == count_;
-    if (last && singular_) return mode(0, sum(0, count_, 0, 0).slope);
+    if (last && singular_) return mode(0, 0, sum(0, count_, 0, 0).slope);
     const double upper = poles_[l], lower = last ? 0 : poles_[l + 1];
     const Eigen::Index begin = std::max<Eigen::Index>(0, l + 1 - near),
                        end = std::min(count_, l + 1 + near);
@@ -147,7 +150,7 @@ class Downdate {
       if (end < count_) reach = std::min(reach, t - (poles_[end] - origin));
       if (std::fabs(t - base) <= exact * reach || (round > 0 && t == start)) break;
     }
-    return mode(origin + t, slope);
+    return mode(origin, t, slope);
   }
 
   /// Step from t to the zero of r + a / (up - s) + b / (down - s) - 1 in s, which has the values
@@ -235,28 +238,58 @@ Eigen::VectorXd distances(const Array& d, const Array& x, Eigen::Index shapes, E
   return result;
 }
 
+/// Lengths of the scores that are more than rounding, which is no mode, here or among the others.
+struct Lengths {
+  explicit Lengths(const Eigen::MatrixXd& scores)
+      : rounding(static_cast<double>(scores.rows()) * machine * scores.norm()) {
+    const Array lengths = scores.colwise().squaredNorm().transpose().array();
+    squares = lengths.head((lengths > rounding * rounding).count());
+  }
+  double rounding;
+  Array squares;
+};
+
 }  // namespace
 
 Eigen::MatrixXd leaveOneOut(const Eigen::MatrixXd& scores, Eigen::Index modes, ThreadPool& pool,
                             const Progress& progress) {
   const Eigen::Index shapes = scores.rows();
-  const Array lengths = scores.colwise().squaredNorm().transpose().array();
-  // What the rounding of the scores explains is no mode, here or among the others.
-  const double rounding = static_cast<double>(shapes) * machine * scores.norm();
-  const Eigen::Index kept = (lengths > rounding * rounding).count();
-  const Array d = lengths.head(kept);
+  const Lengths lengths(scores);
+  const Array& d = lengths.squares;
   Eigen::MatrixXd result(shapes, modes);
   constexpr Eigen::Index together = 64;  // between two reports
   for (Eigen::Index begin = 0; begin < shapes && modes > 0; begin += together) {
     pool.forEach(static_cast<int>(std::min(together, shapes - begin)), [&](int i) {
-      result.row(begin + i) = distances(d, scores.row(begin + i).head(kept).transpose().array(),
-                                        shapes, modes, rounding)
+      result.row(begin + i) = distances(d, scores.row(begin + i).head(d.size()).transpose().array(),
+                                        shapes, modes, lengths.rounding)
                                   .transpose();
     });
     report(progress,
            static_cast<double>(std::min(begin + together, shapes)) / static_cast<double>(shapes));
   }
   return result;
+}
+
+Eigen::MatrixXd leftOutApproximations(const Eigen::MatrixXd& scores, Eigen::Index shape,
+                                      Eigen::Index modes) {
+  const Eigen::Index shapes = scores.rows();
+  const Lengths lengths(scores);
+  const Array &d = lengths.squares, x = scores.row(shape).head(d.size()).transpose().array();
+  const double others = static_cast<double>(shapes - 1);
+  Downdate downdate(d, x, static_cast<double>(shapes) / others, beyondTheOthers);
+  const Eigen::Index most = std::min(shapes - 2, d.size() - (downdate.singular() ? 1 : 0));
+  Eigen::MatrixXd found = Eigen::MatrixXd::Zero(modes, scores.cols());
+  Array approximation = -x / others;  // the mean of the others
+  for (Eigen::Index m = 0; m < modes; ++m) {
+    if (m < most) {
+      const Downdate::Mode mode = downdate.next();
+      // rho x is 1 / |w|^2 along w = x / (d - mu), |w|^-2 being the square.
+      if (mode.square > 0 && mode.eigenvalue > lengths.rounding * lengths.rounding)
+        approximation += mode.square * x / ((d - mode.origin) - mode.offset);
+    }
+    found.row(m).head(d.size()) = approximation.matrix().transpose();
+  }
+  return found;
 }
 
 }  // namespace sphere_propagation

@@ -27,4 +27,9 @@ namespace sphere_propagation {
 Eigen::MatrixXd leaveOneOut(const Eigen::MatrixXd& scores, Eigen::Index modes, ThreadPool& pool,
                             const Progress& progress = {});
 
+/// What leaveOneOut takes the distances from: row m - 1 are the scores of x'_k(m), for one shape k.
+/// The vector of mu has the entries x_kj / (d_j - mu), so that each mode costs O(#M) here, too.
+Eigen::MatrixXd leftOutApproximations(const Eigen::MatrixXd& scores, Eigen::Index shape,
+                                      Eigen::Index modes);
+
 }  // namespace sphere_propagation
