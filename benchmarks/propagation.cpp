@@ -147,6 +147,14 @@ void compareKernels() {
   compare(
       "inverseOf, llt", [&] { inverse = inverseOf(square); },
       [&] { inverse = square.llt().solve(Eigen::MatrixXd::Identity(columns, columns)); });
+  const Points points = Points::Random(3 * nodes, 3).rowwise().normalized(),
+               centres = points.topRows(nodes / 2), vectors = Points::Random(nodes / 2, 3);
+  Points sums;
+  compare(
+      "kernelSums, exp", [&] { sums = kernelSums(points, centres, vectors, 5); },
+      [&] {
+        sums = ((points * centres.transpose()).array() * 5.0 - 5.0).exp().matrix() * vectors;
+      });
   const RowsF single = RowsF::Random(3 * nodes, local);
   const Eigen::Matrix<double, Eigen::Dynamic, local, Eigen::RowMajor> basis = single.cast<double>();
   const Eigen::VectorXd c = Eigen::VectorXd::Random(local), f = Eigen::VectorXd::Random(3 * nodes);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "tests/core/test_meshes.h"
 
@@ -28,6 +29,51 @@ TEST(DenseKernels, SumsOuterProducts) {
       EXPECT_LT((sum.cast<double>() - expected).norm(), 1e-5 * (1 + expected.norm()))
           << count << " " << columns;
     }
+}
+
+Points unitVectors(Eigen::Index count, unsigned seed) {
+  test::Random random(seed);
+  Points points(count, 3);
+  for (Eigen::Index i = 0; i < points.size(); ++i) points.data()[i] = random.normal();
+  return points.rowwise().normalized();
+}
+
+TEST(DenseKernels, SumsKernels) {
+  const Points centres = unitVectors(50, 1), vectors = unitVectors(50, 2);
+  for (const double sharpness : {0.0, 1.0, 7.3, 350.0})
+    for (const Eigen::Index count : {0, 1, 31, 32, 33, 100}) {
+      Points points = unitVectors(count, 3);
+      if (count > 2) points.row(1) = centres.row(4), points.row(2) = -centres.row(5);
+      const Points sums = kernelSums(points, centres, vectors, sharpness);
+      ASSERT_EQ(sums.rows(), count);
+      for (Eigen::Index i = 0; i < count; ++i) {
+        Eigen::RowVector3d expected = Eigen::RowVector3d::Zero();
+        double size = 0;
+        for (Eigen::Index q = 0; q < centres.rows(); ++q) {
+          const double kernel = std::exp(sharpness * (points.row(i).dot(centres.row(q)) - 1));
+          expected += kernel * vectors.row(q);
+          size += kernel;
+        }
+        // The argument is known to sharpness epsilon.
+        EXPECT_LT((sums.row(i) - expected).norm(), (1 + sharpness) * 1e-15 * size)
+            << sharpness << " " << i;
+      }
+    }
+}
+
+TEST(DenseKernels, SumsKernelsInTheOrderOfTheCentres) {
+  const Points points = unitVectors(40, 4), centres = unitVectors(9, 5),
+               vectors = unitVectors(9, 6);
+  Points expected = Points::Zero(40, 3);
+  for (Eigen::Index q = 0; q < 9; ++q) {
+    const Points kernels = kernelSums(points, centres.row(q), Points::Ones(1, 3), 4);
+    for (Eigen::Index i = 0; i < 40; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const volatile double product = kernels(i, k) * vectors(q, k);  // not fused with the sum
+        expected(i, k) += product;
+      }
+  }
+  EXPECT_EQ(kernelSums(points, centres, vectors, 4), expected);
 }
 
 TEST(DenseKernels, SumsInTheOrderOfTheRows) {

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double longestStep = 0.25;  // widths
 constexpr double ridge = 1e-6;        // of the Gram matrix
-constexpr Eigen::Index atOnce = 64;   // points, so that their kernels stay in the cache
 
 /// Along the great circle that leaves x (a unit vector) with this velocity.
 Vector3 alongGeodesic(const Vector3& x, const Vector3& velocity) {
@@ -53,12 +52,7 @@ Points SphereFields::at(const Points& points, const Eigen::VectorXd& theta) cons
   for (Eigen::Index q = 0; q < vectors.rows(); ++q)
     vectors.row(q) =
         theta[2 * q] * tangents_.row(2 * q) + theta[2 * q + 1] * tangents_.row(2 * q + 1);
-  Points field(points.rows(), 3);
-  for (Eigen::Index begin = 0; begin < points.rows(); begin += atOnce) {
-    const Eigen::Index count = std::min(atOnce, points.rows() - begin);
-    const Points here = points.middleRows(begin, count);
-    field.middleRows(begin, count).noalias() = kernels(here) * vectors;
-  }
+  Points field = kernelSums(points, centres_, vectors, 1 / (width_ * width_));
   for (Eigen::Index i = 0; i < field.rows(); ++i)
     field.row(i) -= field.row(i).dot(points.row(i)) * points.row(i);
   return field;

@@ -61,7 +61,89 @@ void addProductsAnywhere(const Number* x, const Number* y, int count, int size, 
   addProducts<16>(x, y, count, size, stride, matrix);
 }
 
+using AddKernels = void (*)(const double* points, const double* centres, const double* vectors,
+                            int count, double sharpness, double* sums);
+
+constexpr int pointsAtOnce = 32;
+
+/// pointsAtOnce points beside each other: x of all, y of all, z of all, and so are the sums. In the
+/// exponential x = n ln 2 + r, |r| <= ln 2 / 2: 2^n times Taylor's polynomial of r.
+template <int bytes>
+inline __attribute__((always_inline)) void addKernels(const double* points, const double* centres,
+                                                      const double* vectors, int count,
+                                                      double sharpness, double* sums) {
+  using Vector __attribute__((vector_size(bytes))) = double;
+  using Whole __attribute__((vector_size(bytes))) = long long;
+  constexpr int width = bytes / sizeof(double);
+  constexpr double toTwo = 1.4426950408889634, high = 0.693145751953125,
+                   low = 1.42860682030941723212e-6;  // of ln 2
+  constexpr double rounder = 6755399441055744.0;     // 1.5 2^52: adding it rounds
+  constexpr double factorials[]{1.0 / 479001600,
+                                1.0 / 39916800,
+                                1.0 / 3628800,
+                                1.0 / 362880,
+                                1.0 / 40320,
+                                1.0 / 5040,
+                                1.0 / 720,
+                                1.0 / 120,
+                                1.0 / 24,
+                                1.0 / 6,
+                                0.5,
+                                1.0,
+                                1.0};
+  for (int begin = 0; begin < pointsAtOnce; begin += width) {
+    Vector x, y, z, first = {}, second = {}, third = {};
+    std::memcpy(&x, points + begin, bytes);
+    std::memcpy(&y, points + pointsAtOnce + begin, bytes);
+    std::memcpy(&z, points + 2 * pointsAtOnce + begin, bytes);
+    for (int q = 0; q < count; ++q) {
+      const double *c = centres + 3 * q, *v = vectors + 3 * q;
+      const Vector power = (x * c[0] + y * c[1] + z * c[2] - 1.0) * sharpness;
+      const Vector rounded = power * toTwo + rounder, n = rounded - rounder;
+      const Vector r = (power - n * high) - n * low;
+      Vector sum = r * factorials[0] + factorials[1];
+      for (int k = 2; k < 13; ++k) sum = sum * r + factorials[k];
+      Whole exponent;  // n is in the low bits of `rounded`
+      std::memcpy(&exponent, &rounded, bytes);
+      exponent = (exponent + 1023) << 52;
+      Vector two;
+      std::memcpy(&two, &exponent, bytes);
+      const Vector kernel = sum * two;
+      first += kernel * v[0];
+      second += kernel * v[1];
+      third += kernel * v[2];
+    }
+    std::memcpy(sums + begin, &first, bytes);
+    std::memcpy(sums + pointsAtOnce + begin, &second, bytes);
+    std::memcpy(sums + 2 * pointsAtOnce + begin, &third, bytes);
+  }
+}
+
+void addKernelsAnywhere(const double* points, const double* centres, const double* vectors,
+                        int count, double sharpness, double* sums) {
+  addKernels<16>(points, centres, vectors, count, sharpness, sums);
+}
+
 #if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) void addKernelsAvx2(const double* points, const double* centres,
+                                                    const double* vectors, int count,
+                                                    double sharpness, double* sums) {
+  addKernels<32>(points, centres, vectors, count, sharpness, sums);
+}
+
+__attribute__((target("avx512f"))) void addKernelsAvx512(const double* points,
+                                                         const double* centres,
+                                                         const double* vectors, int count,
+                                                         double sharpness, double* sums) {
+  addKernels<64>(points, centres, vectors, count, sharpness, sums);
+}
+
+AddKernels quickestKernels() {
+  if (__builtin_cpu_supports("avx512f")) return addKernelsAvx512;
+  if (__builtin_cpu_supports("avx2")) return addKernelsAvx2;
+  return addKernelsAnywhere;
+}
+
 template <class Number>
 __attribute__((target("avx2"))) void addProductsAvx2(const Number* x, const Number* y, int count,
                                                      int size, Eigen::Index stride,
@@ -83,6 +165,8 @@ AddProducts<Number> quickest() {
   return addProductsAnywhere<Number>;
 }
 #else
+AddKernels quickestKernels() { return addKernelsAnywhere; }
+
 template <class Number>
 AddProducts<Number> quickest() {
   return addProductsAnywhere<Number>;
@@ -138,6 +222,22 @@ Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& positiveDefinite) {
     matrix.block(after, p, behind, block) = solved.middleCols(after, behind).transpose();
   }
   return Eigen::MatrixXd(-matrix.topLeftCorner(count, count)).selfadjointView<Eigen::Lower>();
+}
+
+Points kernelSums(const Points& points, const Points& centres, const Points& vectors,
+                  double sharpness) {
+  static const AddKernels add = quickestKernels();
+  using Block = Eigen::Matrix<double, pointsAtOnce, 3>;  // column by column
+  Points found(points.rows(), 3);
+  for (Eigen::Index begin = 0; begin < points.rows(); begin += pointsAtOnce) {
+    const Eigen::Index count = std::min<Eigen::Index>(pointsAtOnce, points.rows() - begin);
+    Block here = Block::Zero(), sums;
+    here.topRows(count) = points.middleRows(begin, count);
+    add(here.data(), centres.data(), vectors.data(), static_cast<int>(centres.rows()), sharpness,
+        sums.data());
+    found.middleRows(begin, count) = sums.topRows(count);
+  }
+  return found;
 }
 
 }  // namespace sphere_propagation
