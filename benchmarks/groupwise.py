@@ -177,11 +177,31 @@ def shape_model(meshes, found, faces):
     )
 
 
+def row_of_measures(measure, truth, meshes, found, faces):
+    """What the model of one mode is said to be, and the error, which takes the truth."""
+    said = shape_model(meshes, found, faces)
+    figures = (
+        error_of_pairs(measure, truth, found, faces),
+        100 * said["variance_share"][0],
+        *(said[key][0] for key in ("generalisation", "specificity")),
+        *(said[f"surface_{key}"][0] for key in ("generalisation", "specificity")),
+        said["off_surface"].mean(),
+    )
+    return [*(f"{figure:.3f}" for figure in figures), f"{said['folded_faces'].sum():.0f}"]
+
+
+def landmarks_of_truth(measure, truth, found):
+    """Where the truth carries those of the first shape."""
+    face, weight, _ = measure.closest_points(*truth.at(0), found[0])
+    corners = truth.faces[face]
+    return [np.einsum("pk,pkj->pj", weight, shape[corners]) for shape in truth.shapes]
+
+
 def print_measures(data, measure, names):
     """Of one mode, for several ways to correspondence."""
     print(
-        "| landmarks | error | variance of mode 1 | generalisation | specificity | between surfaces: "
-        "generalisation | specificity | off the surface | folded faces |\n"
+        "| landmarks | error | variance of mode 1, % | generalisation | specificity | between "
+        "surfaces: generalisation | specificity | off the surface | folded faces |\n"
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
     )
     made = populations(data, measure)
@@ -190,41 +210,22 @@ def print_measures(data, measure, names):
         random = np.random.RandomState(seed)
         truth = make(random)
         meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
-
-        def row(words, found, faces):
-            said = shape_model(meshes, found, faces)
-            error = error_of_pairs(measure, truth, found, faces)
-            share = 100 * said["variance_share"][0]
-            figures = (
-                *(said[key][0] for key in ("generalisation", "specificity")),
-                *(said[f"surface_{key}"][0] for key in ("generalisation", "specificity")),
-                said["off_surface"].mean(),
-            )
-            cells = [f"{name}, {words}", f"{error:.2f}", f"{share:.0f} %"]
-            cells += [f"{figure:.2f}" for figure in figures]
-            print(
-                "| " + " | ".join([*cells, f"{said['folded_faces'].sum():.0f}"]) + " |", flush=True
-            )
-
-        for objective in (None, "Population model", "Description length"):
+        rows = {}
+        for objective in ("propagated", "Population model", "Description length"):
             project = propagated(meshes)
-            if objective:
+            if objective != "propagated":
                 project.apply_filter(
                     "compute_spherical_parameterisation_groupwise",
                     alignment="None",
                     objective=objective,
                 )
-            found = landmarks(project)
-            faces = project.mesh(SHAPES).face_matrix()
-            if not objective:
-                face, weight, _ = measure.closest_points(*truth.at(0), found[0])
-                corners = truth.faces[face]
-                row(
-                    "truth",
-                    [np.einsum("pk,pkj->pj", weight, shape[corners]) for shape in truth.shapes],
-                    faces,
-                )
-            row(objective or "propagated", found, faces)
+            rows[objective] = landmarks(project)
+        rows = {"truth": landmarks_of_truth(measure, truth, rows["propagated"]), **rows}
+        for words, found in rows.items():
+            cells = row_of_measures(
+                measure, truth, meshes, found, project.mesh(SHAPES).face_matrix()
+            )
+            print("| " + " | ".join([f"{name}, {words}", *cells]) + " |", flush=True)
 
 
 def print_costs(data, measure, counts):
