@@ -182,6 +182,8 @@ def _convert(options, make_progress) -> int:
 
 def _explore(options, make_progress) -> int:
     output = Path(options.output or Path(options.model).with_name("explore.html"))
+    if output.is_dir():
+        raise FileError(f"{output} is a folder: name the page in it, {output / 'explore.html'}.")
     require_apart([options.model, Path(options.model).with_name("landmarks.npz")], output)
     if not output.parent.is_dir():
         raise FileError(f"There is no folder {output.parent} to write {output.name} to.")

@@ -727,6 +727,8 @@ def test_an_output_that_cannot_be_written_is_found_before_the_work(
     ):
         assert run(*words) == 1, words
         assert f"Nothing can be written to {tmp_path / 'locked'}" in capsys.readouterr().err
+    assert run("explore", model, "-o", tmp_path / "locked") == 1
+    assert "is a folder: name the page in it" in capsys.readouterr().err
     assert run("explore", model, "-o", tmp_path / "none" / "page.html") == 1
     assert "There is no folder" in capsys.readouterr().err
 
