@@ -76,7 +76,7 @@ class Drawing:
         upwards: bool = False,
     ) -> None:
         """One line, centred on y; upwards: centred on x, and `across` means y."""
-        self.parts.append(Text(x, y, words, size, color, bold, across, upwards))
+        self.parts.append(Text(x, y, _one_line(words), size, color, bold, across, upwards))
 
     def line(self, points, color: str, width: float, dashes=None) -> None:
         self.parts.append(Line(np.asarray(points, float), color, width, dashes))
@@ -133,7 +133,12 @@ def _font_file(bold: bool) -> str:
 
 def extent_of(words: str, size: float, bold: bool = False) -> Tuple[float, float]:
     """How wide a text is, and how high its font."""
-    return _font(size, bold).getlength(words), size
+    return _font(size, bold).getlength(_one_line(words)), size
+
+
+def _one_line(words: str) -> str:
+    """Names of files can have line breaks, which Pillow refuses to measure."""
+    return " ".join(words.splitlines())
 
 
 @lru_cache(maxsize=256)

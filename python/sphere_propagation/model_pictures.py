@@ -119,16 +119,17 @@ def modes(
             words = "mean" if sign == 0 else f"{MINUS if sign < 0 else '+'}{deviations:g} sd"
             middle = left + (0.02 + (k + 0.5) * 0.32) * wide
             page.text(middle, below + 15, words, points_wide(12), color=GREY, across=0.5)
-    bar = displacement_colors(np.linspace(-reach, reach, round(0.34 * width)), reach)
+    half = (0.17 if shown > 1 else 0.32) * width
+    bar = displacement_colors(np.linspace(-reach, reach, round(2 * half)), reach)
     page.image(
-        np.repeat(np.round(255 * bar[None]).astype(np.uint8), 16, 0), 0.33 * width, below + 52
+        np.repeat(np.round(255 * bar[None]).astype(np.uint8), 16, 0), width / 2 - half, below + 52
     )
     for place, words in (
-        (0.33, f"{reach:.1f} {unit} inwards"),
-        (0.5, "0"),
-        (0.67, f"{reach:.1f} {unit} outwards"),
+        (-half, f"{reach:.1f} {unit} inwards"),
+        (0, "0"),
+        (half, f"{reach:.1f} {unit} outwards"),
     ):
-        page.text(place * width, below + 82, words, points_wide(11), color=GREY, across=0.5)
+        page.text(width / 2 + place, below + 82, words, points_wide(11), color=GREY, across=0.5)
     page.save(path)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from .colors import map_colors, place_colors, sphere_coordinates
 from .correspondence import Correspondence
-from .drawing import GREY, Drawing
+from .drawing import GREY, Drawing, extent_of
 from .filters import landmark_places
 from .plots import panels
 from .surface import Surface
@@ -234,8 +234,10 @@ def _set(panels, captions, path, title, names: Sequence[str] = (), key: bool = F
             _bytes(place_colors(longitude[None], latitude[:, None])), 0.34 * width, height - 116
         )
         middle, left, right = height - 88, 0.333 * width, 0.667 * width
-        page.text(left, middle, "place on the sphere: west", 26, color=GREY, across=1.0)
-        page.text(right, middle, "east; light is north", 26, color=GREY)
+        west = "place on the sphere: west"
+        size = min(26, 26 * (left - 10) / extent_of(west, 26)[0])
+        page.text(left, middle, west, size, color=GREY, across=1.0)
+        page.text(right, middle, "east; light is north", size, color=GREY)
     page.save(path)
 
 

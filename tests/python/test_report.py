@@ -312,6 +312,41 @@ def test_pages_are_the_same_in_all_formats(tmp_path, draw):
         assert found[0][k] == pytest.approx(found[1][k], abs=45)
 
 
+@pytest.mark.parametrize("count", [1, 2, 6])
+def test_all_texts_of_a_picture_are_on_it(cycle, model, tmp_path, monkeypatch, count):
+    """Also where it has few surfaces, or one mode."""
+    pages = []
+    monkeypatch.setattr(drawing.Drawing, "save", lambda page, path: pages.append(page))
+    few = replace(
+        cycle,
+        surfaces=cycle.surfaces[:count],
+        maps=cycle.maps[:count],
+        landmarks=cycle.landmarks[:count],
+        root=0,
+    )
+    row = Row("heart", few)
+    pictures.landmarks_on_surfaces([row], tmp_path / "x.png")
+    pictures.root_and_sphere([row], tmp_path / "x.png")
+    model_pictures.modes(model, tmp_path / "x.png", shown=min(count, 3))
+    model_pictures.volumes(row, tmp_path / "x.png")
+    assert len(pages) == 4
+    for page in pages:
+        texts = [part for part in page.parts if isinstance(part, drawing.Text)]
+        boxes = [box_of(text) for text in texts]
+        for text, (low, high) in zip(texts, boxes):
+            assert low.min() >= 0 and high[0] <= page.width and high[1] <= page.height, text.words
+        for k, (low, high) in enumerate(boxes):
+            for text, (down, up) in zip(texts, boxes[:k]):
+                assert not ((low < up).all() and (down < high).all()), (texts[k].words, text.words)
+
+
+def test_names_with_line_breaks_are_drawn(tmp_path):
+    page = drawing.Drawing(200, 40)
+    page.text(10, 20, "two\nlines", 15)
+    page.save([tmp_path / "x.png", tmp_path / "x.svg"])
+    assert page.words == ["two lines"] and drawing.extent_of("a\nb", 10)[0] > 0
+
+
 def test_png_needs_no_matplotlib(tmp_path):
     """Which takes as long to load as half of the pictures."""
     code = (
