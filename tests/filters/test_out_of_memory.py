@@ -37,7 +37,7 @@ def scenario(name):
     if name == "a map":
         return d.small_cycle(1), d.ROOT, {"threads": 1}
     if name == "a map again":
-        return mapped(), d.ROOT, {"area_weight": 1.0, "threads": 1}
+        return mapped(), d.ROOT, {"area_weight": 0.5, "threads": 1}
     if name == "quality of faces":
         return mapped(), d.COLOR, {"pattern": "Area ratio"}
     if name == "layers that are replaced":
