@@ -31,7 +31,7 @@ using test::sizeFor;
 
 GroupwiseParameters sized() {
   GroupwiseParameters parameters;
-  parameters.frequency = sizeFor(parameters.frequency, 5);
+  parameters.frequency = sizeFor(parameters.frequency, 4);
   return parameters;
 }
 
@@ -47,7 +47,7 @@ Eigen::VectorXd someField(const SphereFields& fields, unsigned seed, double spee
 /// Egg-shaped bodies of three modes: material point u of the sphere lies at place(u).
 class Family {
  public:
-  explicit Family(int count, unsigned seed = 3, int frequency = sizeFor(12, 8))
+  explicit Family(int count, unsigned seed = 3, int frequency = sizeFor(12, 6))
       : sphere_(test::icosphereMesh(frequency)), fields_(3, 0.5) {
     test::Random random(seed);
     for (int k = 0; k < count; ++k) {
@@ -301,7 +301,7 @@ TEST(PopulationModel, ExplainsWhatSurfacesShow) {
 }
 
 TEST(DescriptionLength, IsTheSumOverModesAndFallsAlongItsPull) {
-  const std::vector<MappedSurface> maps = Family(5).mapped(0.1);
+  const std::vector<MappedSurface> maps = Family(5, 3, 8).mapped(0.1);
   const Icosphere sphere = icosphere(4);
   std::vector<Points> points;
   for (const MappedSurface& map : maps)
@@ -342,7 +342,7 @@ TEST(Groupwise, RecoversAKnownWarp) {
 
 /// A body that is none of the family: three limbs.
 MappedSurface stranger() {
-  const Mesh sphere = test::icosphereMesh(sizeFor(12, 8));
+  const Mesh sphere = test::icosphereMesh(sizeFor(12, 6));
   Points body = sphere.vertices;
   for (auto x : body.rowwise()) {
     const double reach = x.maxCoeff();
@@ -389,9 +389,10 @@ TEST(Groupwise, TrustsFewShapesAndThoseOfAnyVariance) {
   for (const GroupwiseShape& shape :
        optimiseGroupwise({Family(1).mapped(0)[0], stranger(), stranger()}, pool, parameters).shapes)
     EXPECT_EQ(shape.trust, 1);
-  for (const unsigned seed : {1U, 2U})
+  for (int seed = 1; seed <= sizeFor(2, 1); ++seed)
     for (const GroupwiseShape& shape :
-         optimiseGroupwise(Family(10, seed).mapped(0.1), pool, parameters).shapes)
+         optimiseGroupwise(Family(10, static_cast<unsigned>(seed)).mapped(0.1), pool, parameters)
+             .shapes)
       EXPECT_GT(shape.trust, 0.6);
   EXPECT_EQ(trustIn(1, 2), 1);
   EXPECT_DOUBLE_EQ(trustIn(3, 2), 0.5);
@@ -406,6 +407,7 @@ TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
   ThreadPool pool(1);
   GroupwiseParameters parameters = sized();
   parameters.alignment = Alignment::None;
+  parameters.iterations = sizeFor(parameters.iterations, 3);
   const double spread = family.error(family.mapped(0.25));
   EXPECT_LT(family.error(mapsOf(optimiseGroupwise(family.mapped(0), pool, parameters))),
             0.35 * spread);
@@ -447,10 +449,11 @@ TEST(Groupwise, IsTheSameWithAnyNumberOfThreads) {
        {GroupwiseObjective::PopulationModel, GroupwiseObjective::DescriptionLength}) {
     GroupwiseParameters parameters = sized();
     parameters.objective = objective;
-    parameters.iterations = 3;
+    parameters.iterations = sizeFor(3, 2);
     ThreadPool one(1), three(3);
-    const Groupwise a = optimiseGroupwise(given, one, parameters),
-                    b = optimiseGroupwise(given, three, parameters);
+    const Groupwise b = optimiseGroupwise(given, three, parameters);
+    if (test::underSanitizer()) continue;  // a second run meets what the first did
+    const Groupwise a = optimiseGroupwise(given, one, parameters);
     for (size_t k = 0; k < given.size(); ++k)
       EXPECT_EQ(a.shapes[k].map.positions(), b.shapes[k].map.positions());
     EXPECT_EQ(a.moves, b.moves);

@@ -92,8 +92,8 @@ TEST(HierarchicalMap, StandsAsTheSurfaceDoes) {
   for (const double scale : {1e-30, 0.01, 1e30})
     EXPECT_LT((mapOf({scale * mesh.vertices, mesh.faces}) - reference).cwiseAbs().maxCoeff(), 1e-5);
   const double sd = measureMap(ClosedSurface(mesh.vertices, mesh.faces), reference).areaRatioSd;
-  for (unsigned seed = 0; seed < 4;
-       ++seed) {  // another hierarchy, the same optimum but for how near it came
+  // Another hierarchy, the same optimum but for how near it came.
+  for (unsigned seed = 0; seed < static_cast<unsigned>(sizeFor(4, 1)); ++seed) {
     const Eigen::Matrix3d rotation = randomRotation(seed);
     const Mesh turned = transformed(mesh, rotation, 1, Vector3(30, -10, 5));
     const Points map = mapOf(turned);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -234,8 +235,9 @@ TEST(MotionSmoothing, HasNoUnit) {
 TEST(MotionSmoothing, IsTheSameWithAnyNumberOfThreads) {
   const CutBall ball;
   const MotionModel model = ball.model();
-  EXPECT_EQ(Smoothing(ball, model, 1).smoothed.coefficients,
-            Smoothing(ball, model, 3).smoothed.coefficients);
+  const Smoothing three(ball, model, 3);
+  if (test::underSanitizer()) return;  // a second run meets what the first did
+  EXPECT_EQ(Smoothing(ball, model, 1).smoothed.coefficients, three.smoothed.coefficients);
 }
 
 TEST(MotionSmoothing, LayersOnNoArcStayAsTheyAre) {

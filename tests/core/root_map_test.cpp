@@ -79,9 +79,9 @@ TEST(RootMap, OfSmallAndStubbornMeshesFromEachStart) {
 
 TEST(RootMap, PreservesAreasFromEachStart) {
   for (const NamedMesh& named :
-       std::vector<NamedMesh>{{"ellipsoid", ellipsoid(30, 20, 15, 12)},
+       std::vector<NamedMesh>{{"ellipsoid", ellipsoid(30, 20, 15, sizeFor(12, 6))},
                               {"noisy ellipsoid", noisyEllipsoid(1)},
-                              {"long ellipsoid", ellipsoid(60, 20, 15, 12)},
+                              {"long ellipsoid", ellipsoid(60, 20, 15, sizeFor(12, 6))},
                               {"thick cup", cup(0.3, 24, 8)},
                               {"cup", cup(0.2, 40, 16)}}) {
     const ClosedSurface surface(named.mesh.vertices, named.mesh.faces, named.name);
@@ -108,7 +108,8 @@ TEST(RootMap, PreservesAreasOfSmallMeshes) {
 }
 
 TEST(RootMap, AllStartsEndAlike) {
-  for (const Mesh& mesh : {noisyEllipsoid(2), ellipsoid(60, 20, 15, 12), cup(0.2, 60, 24)}) {
+  for (const Mesh& mesh : {noisyEllipsoid(2), ellipsoid(60, 20, 15, sizeFor(12, 6)),
+                           cup(0.2, sizeFor(60, 40), sizeFor(24, 16))}) {
     const ClosedSurface surface(mesh.vertices, mesh.faces);
     const double automatic = measureMap(surface, makeRootMap(surface).map.positions()).areaRatioSd;
     for (const InitialMap start : {InitialMap::Brechbuehler, InitialMap::Harmonic}) {

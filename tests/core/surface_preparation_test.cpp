@@ -535,8 +535,8 @@ Mesh valved(const Mesh& ellipsoid, const std::vector<Vector3>& rays, double radi
 TEST(SurfacePreparation, JoinsWallsThatAreOpenAtSeveralValves) {
   PreparationParameters join;
   join.joinShells = true;
-  const Mesh outer = stretched(icosphereMesh(16), 35, 35, 50),
-             inner = stretched(icosphereMesh(14), 25, 25, 40);
+  const Mesh outer = stretched(icosphereMesh(sizeFor(16, 12)), 35, 35, 50),
+             inner = stretched(icosphereMesh(sizeFor(14, 10)), 25, 25, 40);
   const double wall = 4 * pi / 3 * (35 * 35 * 50 - 25 * 25 * 40);
   const Vector3 mitral(-0.35, 0, 1), aortic(0.45, 0, 0.9), side(0, 1, 0.3);
   for (const LidShape lid : {LidShape::Curved, LidShape::Flat})
