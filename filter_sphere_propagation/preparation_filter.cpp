@@ -146,6 +146,9 @@ void tellOf(const host::Task& task, const host::Layer& layer, const MeshContent&
   else
     task.say(mesh.left ? messages::notPrepared : messages::nothingToPrepare, label);
   tellOfOpenings(task, label, mesh);
+  for (size_t i = static_cast<size_t>(mesh.rings); i < mesh.openings.size(); ++i)
+    if (const Opening& opening = mesh.openings[i]; isRagged(opening))
+      task.sayOf(layer, messages::raggedRim, i + 1, opening.perimeter / opening.outline);
   constexpr double large = 0.05, largeOfSheets = 0.01, largeOfLids = 0.25;
   if (const double share = lidShareOf(mesh); share > largeOfLids)
     task.sayOf(layer, messages::mostlyLids, 100 * share);

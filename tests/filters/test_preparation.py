@@ -316,6 +316,39 @@ def test_sheets_of_a_share_of_the_area_are_a_warning():
     assert not said(ms.apply_filter(PREPARE))
 
 
+def ragged(depth, seed=0):
+    """A cup of 3,000 vertices whose rim is the staircase of its faces, with notches in a sixth of
+    them, `depth` faces deep."""
+    ms = pymeshlab.MeshSet()
+    ms.create_sphere(radius=1, subdiv=5)
+    v, f = ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()
+    v = v / np.linalg.norm(v, axis=1, keepdims=True) * [25, 25, 42]
+    keep = v[f].mean(1) @ [0.2, -0.1, 1] < 20
+    touches = np.isin(f, f[~keep]).any(1)
+    random = np.random.default_rng(seed)
+    rim = np.flatnonzero(keep & touches)
+    for start in random.choice(rim, len(rim) // 6 if depth else 0, replace=False):
+        notch = np.array([start])
+        for _ in range(depth - 1):
+            notch = np.flatnonzero(np.isin(f, f[notch]).sum(1) >= 2)
+        keep[notch] = False
+    return surfaces.without_unreferenced(v, f[keep])
+
+
+@pytest.mark.parametrize("lid", ["Flat", "Curved"])
+def test_a_ragged_rim_is_closed_and_said_to_be_ragged(lid):
+    """A staircase is none; the lid of a rim with notches goes into them."""
+    volumes = []
+    for depth in (0, 6):
+        ms = pymeshlab.MeshSet()
+        add(ms, *ragged(depth), "cup")
+        figures = ms.apply_filter(PREPARE, lid=lid)
+        assert figures["closed"] == 1 and lid_of(ms.mesh(0)).max() == 1
+        assert ["is ragged" in text for text in said(figures)] == [True] * (depth > 0)
+        volumes.append(ms.get_geometric_measures()["mesh_volume"])
+    assert 0.8 * volumes[0] < volumes[1] < 0.99 * volumes[0]
+
+
 @pytest.mark.parametrize("lid", ["Curved", "Flat"])
 def test_a_surface_that_is_mostly_lid_is_a_warning(lid):
     for below, warns in ((20, False), (-15, True)):

@@ -579,6 +579,46 @@ std::optional<Opening> joinRims(BrokenMesh& mesh, Rims& rims, const ShellRim& ou
   return opening;
 }
 
+/// The convex hull of the rim (A. M. Andrew's chains, 1979), seen along the normal of its area.
+void measureOutline(Opening& opening, const BrokenMesh& mesh, const std::vector<int>& rim) {
+  Vector3 normal = Vector3::Zero();
+  const auto place = [&](size_t i) -> Vector3 {
+    return mesh.vertex(rim[i % rim.size()]) - opening.centre;
+  };
+  for (size_t i = 0; i < rim.size(); ++i) normal += place(i).cross(place(i + 1));
+  if (!(normal.norm() > 0)) return;
+  normal.normalize();
+  const Vector3 u = normal.unitOrthogonal(), w = normal.cross(u);
+  using Place = std::pair<double, double>;
+  std::vector<Place> places;
+  double highest = 0;
+  for (size_t i = 0; i < rim.size(); ++i) {
+    places.emplace_back(u.dot(place(i)), w.dot(place(i)));
+    highest = std::max(highest, std::fabs(normal.dot(place(i))));
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Place> hull;
+  for (int side = 0; side < 2; ++side) {
+    const size_t first = hull.size();
+    for (const Place& p : places) {
+      const auto turnsRight = [&] {
+        const Place &a = hull[hull.size() - 2], &b = hull.back();
+        return (b.first - a.first) * (p.second - a.second) <=
+               (b.second - a.second) * (p.first - a.first);
+      };
+      while (hull.size() >= first + 2 && turnsRight()) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(places.begin(), places.end());
+  }
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Place &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    opening.outline += std::hypot(b.first - a.first, b.second - a.second);
+  }
+  if (opening.outline > 0) opening.relief = highest / (opening.outline / (2 * pi));
+}
+
 }  // namespace
 
 bool hasShells(const BrokenMesh& mesh) {
@@ -632,6 +672,13 @@ JoinedShells joinShells(BrokenMesh& mesh) {
   return joined;
 }
 
+bool isRagged(const Opening& opening) {
+  constexpr int enoughEdges = 20;
+  constexpr double longer = 1.4, deep = 0.1;
+  return opening.edges >= enoughEdges && opening.perimeter > longer * opening.outline &&
+         opening.relief > deep;
+}
+
 std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progress& progress,
                                    const JoinedShells& joined) {
   constexpr double nearby = 0.02;  // of the perimeter
@@ -654,6 +701,7 @@ std::vector<Opening> closeOpenings(BrokenMesh& mesh, LidShape shape, const Progr
       openings.push_back(opening);
       continue;
     }
+    measureOutline(opening, mesh, rim);
     if (ring.size() == 3 && ring[0] / 3 == ring[1] / 3 && ring[1] / 3 == ring[2] / 3) continue;
     const bool isCovered =
         std::any_of(joined.covered.begin(), joined.covered.end(), [&](const Vector3& centre) {

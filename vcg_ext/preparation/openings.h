@@ -14,10 +14,16 @@ struct Opening {
   int edges = 0;                     ///< of its rim
   double perimeter = 0;              ///< in the mesh's unit
   Vector3 centre = Vector3::Zero();  ///< mean of the rim
+  double outline = 0;                ///< length of a string around the rim, in its plane
+  double relief = 0;                 ///< greatest distance from that plane, in the outline's radius
   int newVertices = 0;               ///< of its lid; a crack gets none
   int newFaces = 0;                  ///< 0: its two edges were laid on each other
   LidShape shape = LidShape::Flat;   ///< of its lid
 };
+
+/// Whether the rim goes to and fro, as where faces were deleted one by one: it is much longer than
+/// its outline, and no staircase of faces along a plane. A lid follows it into its notches.
+bool isRagged(const Opening& opening);
 
 /// What joinShells did.
 struct JoinedShells {
