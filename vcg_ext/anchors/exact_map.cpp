@@ -19,7 +19,14 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWidth = 0.15;
-constexpr int stepsOnTheWay = 4, stepsAtEnd = 20;
+/// Of the energy that is lowered, shapes weigh so much beside areas. With 1 angles are worse and
+/// areas hardly better.
+constexpr double shapeWeight = 3;
+/// Relaxation ends with the step that leaves this share of the energy or more; its systems are
+/// solved no better than that takes.
+constexpr double enoughOnTheWay = 0.98, enoughAtEnd = 0.997;
+constexpr int stepsOnTheWay = 4, stepsAtEnd = 20, conjugateGradientIterations = 40;
+constexpr double conjugateGradientTolerance = 0.1;
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
@@ -191,7 +198,9 @@ class Relaxation {
   /// At most so many steps, until one leaves this share of the energy.
   MappedSurface of(const MappedSurface& map, int steps, double until) {
     AreaStepParameters parameters;
-    parameters.weights = {1, 1};
+    parameters.weights = {1, shapeWeight};
+    parameters.conjugateGradientIterations = conjugateGradientIterations;
+    parameters.conjugateGradientTolerance = conjugateGradientTolerance;
     Points positions = map.positions();
     for (int i = 0; i < steps; ++i)
       if (minimiser_.step(parameters, positions) > until) break;
@@ -263,7 +272,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
   for (;; most = look(), ++result.steps) {
     if (most < exactDistance) {
       if (!relaxation) break;
-      result.map = relaxation->of(result.map, stepsAtEnd, 0.998);
+      result.map = relaxation->of(result.map, stepsAtEnd, enoughAtEnd);
       relaxation.reset();  // what follows are the last bits
       continue;
     }
@@ -282,7 +291,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
         result.map = std::move(mended.map);
       } catch (const MapError&) {
         if (relaxation && manner.waits && shorter > leastShare) {
-          result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
+          result.map = relaxation->of(result.map, stepsOnTheWay, enoughOnTheWay);
           shorter /= 2;
           sinceRelaxed = 0;
           continue;
@@ -295,7 +304,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
       }
     }
     if (relaxation && manner.spreads && sinceRelaxed >= betweenRelaxations) {
-      result.map = relaxation->of(result.map, stepsOnTheWay, 0.98);
+      result.map = relaxation->of(result.map, stepsOnTheWay, enoughOnTheWay);
       sinceRelaxed = 0;
     }
     shorter = std::min(1.0, 2 * shorter);
