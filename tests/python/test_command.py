@@ -365,7 +365,7 @@ def test_wrong_arguments_end_with_2(capsys):
         ("--area-weight", "2", "'2' is not a number from 0 to 1"),
         ("--area-restoration", "-1", "'-1' is not a number from 0 to 1"),
         ("--area-restoration", "nan", "'nan' is not a number from 0 to 1"),
-        ("--root", "-1", "'-1' is not a whole number of 0 or more"),
+        ("--root", "-1", "'-1' is not a whole number of 0 or more, nor most-central"),
         ("--order", "none", "'none' is none of time, cyclic, similarity, star"),
         ("--export", "x", "'x' is none of h5, json, particles, ply, all"),
     ],
