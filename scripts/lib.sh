@@ -415,6 +415,8 @@ build_preset() {
   local dir=$project_root/build/$preset volumes=OFF target targets=()
   if has_volumes; then volumes=ON; fi
   for target; do targets+=(--target "$target"); done
+  mkdir -p "$dir"
+  if command -v flock >/dev/null; then exec 8>"$dir/lock"; flock 8; fi # one build of a preset at a time
 
   if ! is_configured "$dir" "$volumes"; then
     say "Configuring $preset"
@@ -432,10 +434,11 @@ build_preset() {
   local build=(cmake --build "$dir" ${targets[@]+"${targets[@]}"}) watch= status=0
   if [ ! -t 1 ]; then
     build=(logged "$dir/build.log" "${build[@]}")
-    report_progress "$preset" "$dir/build.log" & watch=$!
+    report_progress "$preset" "$dir/build.log" 8>&- & watch=$!
   fi
   "${build[@]}" || status=$?
   if [ -n "$watch" ]; then kill "$watch" 2>/dev/null || true; wait "$watch" 2>/dev/null || true; fi
+  exec 8>&-
   [ "$status" -eq 0 ] || die "the build of $preset failed"
 }
 
