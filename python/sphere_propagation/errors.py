@@ -141,6 +141,10 @@ MESSAGES_FOR_ARRAYS = {
         "Make it the current layer and run",
         "parameterise_root(surface) makes one.",
     ),
+    "noSurfaceToMeasure": (
+        ": load it, hide the landmarks, or",
+        ": surfaces are those that the landmarks lie on, in the order of the shapes.",
+    ),
     "onlySurface": ("Load or show the other layers", "Give two surfaces or more."),
     "tooManyLandmarks": (
         "Choose a lower frequency or hide layers",

@@ -53,7 +53,7 @@ def test_what_filters_return_is_what_they_say(filters, tmp_path):
         name = element.get("python_name")
         arguments = dict(ARGUMENTS.get(name, {}))
         if name == "compute_statistical_shape_model":
-            arguments["export_file"] = str(tmp_path / "model.npz")
+            arguments.update(export_file=str(tmp_path / "model.npz"), surface_measures=True)
         if name == "compute_shape_model_fit":
             arguments.update(model_file=str(tmp_path / "model.npz"), target_layer=0)
         require_what_is_said(element, meshes.apply_filter(name, **arguments))
