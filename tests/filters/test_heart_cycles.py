@@ -48,7 +48,7 @@ def test_evaluation_certifies_every_layer(run):
 
 def test_the_root_keeps_its_map(run):
     for name, value in run.root.items():
-        if name not in ("seconds", "warnings"):
+        if name not in ("root_layer", "seconds", "warnings"):
             assert run.propagation[name][0] == pytest.approx(value, rel=1e-9), name
     assert run.figures[0]["sd"] <= 0.01
     assert (

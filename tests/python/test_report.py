@@ -347,7 +347,7 @@ def test_names_with_line_breaks_are_drawn(tmp_path):
     assert page.words == ["two lines"] and drawing.extent_of("a\nb", 10)[0] > 0
 
 
-def test_png_needs_no_matplotlib(tmp_path):
+def test_png_needs_no_matplotlib(tmp_path, run_python):
     """Which takes as long to load as half of the pictures."""
     code = (
         "import sys\n"
@@ -358,7 +358,9 @@ def test_png_needs_no_matplotlib(tmp_path):
         "page.save(sys.argv[1])\n"
         "assert 'matplotlib' not in sys.modules\n"
     )
-    subprocess.run([sys.executable, "-c", code, tmp_path / "x.png"], check=True)
+    assert run_python(code, tmp_path / "x.png").returncode == 0
+    with Image.open(tmp_path / "x.png") as image:
+        assert image.size == (90, 40)
 
 
 def test_pictures_are_as_large_as_the_page_shows_them(cycle, tmp_path):
