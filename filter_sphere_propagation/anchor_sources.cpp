@@ -2,8 +2,11 @@
 #include "filter_sphere_propagation/anchor_sources.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
+#include <set>
 
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
@@ -17,6 +20,8 @@ namespace sphere_propagation {
 namespace {
 
 /// How far anchors lie off a layer, in its mean edge lengths; whatever else is wrong with it.
+constexpr double onePlace = 1e-3;  // edges
+
 class Distances {
  public:
   explicit Distances(const host::Layer& layer) {
@@ -28,6 +33,7 @@ class Distances {
   double operator()(const Vector3& point) const {
     return surface_ && edge_ > 0 ? surface_->closest(point).distance / edge_ : 0;
   }
+  double inEdges(const Vector3& way) const { return edge_ > 0 ? way.norm() / edge_ : HUGE_VAL; }
   int farOnes(const AnchorSet& anchors) const {
     return static_cast<int>(std::count_if(anchors.begin(), anchors.end(), [&](const auto& anchor) {
       return (*this)(anchor.second) > maxAnchorEdges;
@@ -107,6 +113,13 @@ bool isFolder(const std::string& path) {
 
 void warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors) {
   const Distances distances(layer);
+  std::set<std::string> together;
+  for (auto one = anchors.begin(); one != anchors.end(); ++one)
+    for (auto other = std::next(one); other != anchors.end(); ++other)
+      if (distances.inEdges(one->second - other->second) < onePlace)
+        together.insert({one->first, other->first});
+  if (!together.empty())
+    task.sayOf(layer, messages::anchorsInOnePlace, namesIn({together.begin(), together.end()}));
   std::vector<std::string> far;
   std::vector<double> edges;
   for (const auto& [name, point] : anchors) {

@@ -60,7 +60,7 @@ std::string anchorFileIn(const std::string& folder, const host::Layer& layer);
 
 bool isFolder(const std::string& path);
 
-/// Names the anchors that lie far off their layer.
+/// Names the anchors that lie far off their layer, and those that lie in one place.
 void warnOfFarAnchors(const host::Task& task, const host::Layer& layer, const AnchorSet& anchors);
 
 }  // namespace sphere_propagation

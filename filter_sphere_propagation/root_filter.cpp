@@ -65,6 +65,7 @@ class RootFilter : public host::Filter {
     std::optional<Eigen::VectorXd> moved;
     if (!positions.empty()) moved = place(task, places, parameters, result);
     const auto storageNote = task.changes.setMap(layer, mesh, result.map);
+    if (central) task.changes.makeCurrent(layer);
     const MapMeasures measures = measureMap(mesh.surface, result.map.positions());
     if (!result.failures.empty())
       task.sayOf(layer, messages::anotherStart, nameOf(result.used), result.failures);

@@ -23,6 +23,7 @@
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/display/colors.h"
 #include "vcg_ext/display/side_by_side.h"
+#include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/model/export/model_export.h"
 #include "vcg_ext/model/model_measures.h"
@@ -177,6 +178,21 @@ std::vector<Points> inRows(const std::vector<AnchorSet>& anchors) {
   return points;
 }
 
+/// Refuses landmarks whose surface was moved or replaced since they were made.
+void requireOnSurface(const host::Layer& layer, const host::Layer& source,
+                      const ClosedSurface& surface) {
+  constexpr double off = 1e-3;  // of the surface's extent: files of text round
+  const SurfaceLocator locator(surface.vertices(), surface.faces());
+  const Points landmarks = layer.content().vertices;
+  double farthest = 0;
+  for (Eigen::Index j = 0; j < landmarks.rows(); ++j)
+    farthest = std::max(farthest, locator.closest(landmarks.row(j).transpose()).distance);
+  const Eigen::RowVector3d extent =
+      surface.vertices().colwise().maxCoeff() - surface.vertices().colwise().minCoeff();
+  if (farthest > off * extent.norm())
+    throw host::Refusal(messages::landmarksOffSurface, layer.label(), farthest, source.label());
+}
+
 /// What the landmark layers were sampled from. withoutLids: whether the model leaves those out.
 std::vector<SampledSurface> surfacesOf(const host::Task& task,
                                        const std::vector<host::Layer>& layers, bool withoutLids) {
@@ -186,10 +202,10 @@ std::vector<SampledSurface> surfacesOf(const host::Task& task,
   for (size_t i = 0; i < layers.size(); ++i) {
     if (!sources[i]) throw host::Refusal(messages::noSurfaceToMeasure, layers[i].label());
     const host::Layer& source = surfaces[*sources[i]];
-    MeshContent content = source.content();
-    const std::vector<int> lids =
-        withoutLids ? source.lids(content.meshVertex) : std::vector<int>();
-    sampled.push_back({std::move(content.vertices), std::move(content.faces)});
+    const MeshSurface mesh = source.surface();
+    requireOnSurface(layers[i], source, mesh.surface);
+    const std::vector<int> lids = withoutLids ? source.lids(mesh.meshVertex) : std::vector<int>();
+    sampled.push_back({mesh.surface.vertices(), mesh.surface.faces()});
     if (!lids.empty()) sampled.back().faces = facesWithout(sampled.back().faces, lids);
   }
   return sampled;

@@ -596,6 +596,7 @@ int Changes::commit() {
     if (mesh.cm.sfn > 0 || mesh.cm.svn > 0)
       changed |= MeshModel::MM_FACEFLAGSELECT | MeshModel::MM_VERTFLAGSELECT;
   }
+  if (current_ >= 0) document_.setCurrentMesh(current_);
   const int current = document_.mm() != nullptr ? document_.mm()->id() : -1;
   for (const int id : removedIds_) host::removeLayer(document_, id);
   // MeshLab makes the layer behind one that goes the current one, whichever was.

@@ -119,6 +119,8 @@ class Changes {
 
   /// Makes the first of the new layers the current one (else the current layer stays).
   void makeFirstNewLayerCurrent() { firstBecomesCurrent_ = true; }
+  /// Makes a layer that there is the current one.
+  void makeCurrent(const Layer& layer) { current_ = layer.id(); }
 
   /// Whether layers are made or moved, so that the view is to be set anew.
   bool movesLayers() const { return !layers_.empty() || !places_.empty(); }
@@ -149,6 +151,7 @@ class Changes {
   std::vector<LayerChange> layers_;
   std::vector<int> removedIds_;
   bool firstBecomesCurrent_ = false;
+  int current_ = -1;  // the id of the layer that is to be it
 };
 
 }  // namespace sphere_propagation::host

@@ -375,7 +375,7 @@ def checked(parameters: CorrespondenceParameters, count: int) -> CorrespondenceP
     if parameters.order == "Given":
         given = _root_of(parameters.parents, count)
         if root is not None and root != given:
-            raise InputError(f"Layer {root} cannot be the root: parents say that layer {given} is.")
+            raise InputError(f"The root cannot be {root!r}: parents say that layer {given} is.")
         root = given
     if parameters.anchor_snap and frequency % SNAP_FREQUENCY:
         raise InputError(

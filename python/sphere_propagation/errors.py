@@ -145,6 +145,10 @@ MESSAGES_FOR_ARRAYS = {
         ": load it, hide the landmarks, or",
         ": surfaces are those that the landmarks lie on, in the order of the shapes.",
     ),
+    "landmarksOffSurface": (
+        ", which was moved or replaced since: run",
+        ": surfaces are those that the landmarks lie on, in the order of the shapes.",
+    ),
     "onlySurface": ("Load or show the other layers", "Give two surfaces or more."),
     "tooManyLandmarks": (
         "Choose a lower frequency or hide layers",

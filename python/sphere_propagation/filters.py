@@ -816,9 +816,7 @@ def shape_model(
         raise InputError(
             f"surfaces must be one per shape: {len(sampled)} for {len(shapes)} shapes."
         )
-    if places is not None:
-        places += [{}] * len(sampled)
-    meshes = layers.mesh_set(shapes + sampled, anchors=places)
+    meshes = layers.mesh_set(shapes, anchors=places)
     returned = layers.apply(
         meshes,
         MODEL,
@@ -830,7 +828,6 @@ def shape_model(
         area_weights=area_weights,
         specificity_samples=specificity_samples,
         seed=seed,
-        surface_measures=surfaces is not None,
     )
     if returned["shapes"] != len(shapes):
         raise FilterError(
@@ -865,8 +862,41 @@ def shape_model(
         },
         left_out,
         landmark_names=named,
-        surface_figures={name: returned[name] for name in SURFACE_MEASURES} if sampled else {},
+        surface_figures=_between_surfaces(
+            shapes,
+            sampled,
+            places,
+            alignment=alignment,
+            leave_out_lids=leave_out_lids,
+            modes=modes,
+            area_weights=area_weights,
+            seed=seed,
+        ),
     )
+
+
+def _between_surfaces(
+    shapes: List[Surface], surfaces: List[Surface], places, **parameters
+) -> Dict[str, np.ndarray]:
+    """The measures of the same model once more, by names that tell whose landmarks shapes are; what
+    deserves to be known of it was said."""
+    if not surfaces:
+        return {}
+    names = distinct_names(surfaces)
+    sampled = [replace(surface, name=name) for surface, name in zip(surfaces, names)]
+    shapes = [replace(shape, name=f"{name} landmarks") for shape, name in zip(shapes, names)]
+    if places is not None:
+        places = [*places, *([{}] * len(sampled))]
+    with attention.silenced():
+        returned = layers.apply(
+            layers.mesh_set(shapes + sampled, anchors=places),
+            MODEL,
+            mode_layers=0,
+            specificity_samples=1,
+            surface_measures=True,
+            **parameters,
+        )
+    return {name: returned[name] for name in SURFACE_MEASURES}
 
 
 def _landmark_meshes(

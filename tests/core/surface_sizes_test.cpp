@@ -74,6 +74,19 @@ TEST(SurfaceSizes, TwiceAsLargeAsTheNeighboursInTimeStandsOut) {
   EXPECT_EQ(standingOut(radii, cyclicTimeOrder(12, 0)), List{0});
 }
 
+TEST(SurfaceSizes, ABumpInASlowSequenceStandsOut) {
+  for (const double factor : {0.6, 1.5, 1.8})
+    for (const int phases : {12, 25})
+      for (int odd = 1; odd + 1 < phases; ++odd) {
+        std::vector<double> radii = beating(phases);
+        radii[static_cast<size_t>(odd)] *= factor;
+        for (const PropagationTree& tree : {timeOrder(phases, 0), cyclicTimeOrder(phases, 0)})
+          if (tree.children()[static_cast<size_t>(odd)].size() == 1) {  // not a branch's end
+            EXPECT_EQ(standingOut(radii, tree), List{odd}) << factor << " " << phases << " " << odd;
+          }
+      }
+}
+
 TEST(SurfaceSizes, SeveralOfAnotherUnitAreNotTheRule) {
   std::vector<double> radii = beating(8);
   for (const size_t i : {2, 3, 6}) radii[i] /= 10;

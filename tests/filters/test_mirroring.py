@@ -101,6 +101,21 @@ def test_a_mirrored_heart_among_others_is_as_if_it_never_was():
         assert np.linalg.norm(found - wanted, axis=1).mean() < 0.05
 
 
+def test_a_heart_that_was_turned_is_no_mirror_image():
+    """Nearly round about its long axis, it is hard to turn back."""
+    shapes = hearts()[:6]
+    v, f = shapes[2]
+    for axis in np.eye(3):
+        for degrees in (60, 120, 180):
+            a = np.radians(degrees)
+            cross = np.cross(np.eye(3), axis)
+            turn = np.eye(3) + np.sin(a) * cross + (1 - np.cos(a)) * cross @ cross
+            turned = (v - v.mean(0)) @ turn.T + v.mean(0)
+            ms = project([*shapes[:2], (turned, f), *shapes[3:]])
+            figures = ms.apply_filter(PROPAGATE, order="Cyclic time", mirror_layers=True)
+            assert not figures["mirrored"].any(), (axis, degrees)
+
+
 def test_a_mirrored_heart_elsewhere_is_mirrored_and_its_pose_found():
     """The landmarks are the mirror images of those of the original, but for the pose, which is
     aligned instead of known."""

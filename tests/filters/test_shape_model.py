@@ -829,3 +829,11 @@ def test_measures_between_surfaces_leave_lids_to_nobody():
     assert returned["lid"].any()
     # Had the surfaces kept what the model leaves out, this would be some millimetres.
     assert returned["off_surface"].max() < 2 * whole["off_surface"].max()
+
+
+def test_measures_between_surfaces_refuse_landmarks_of_another_place():
+    ms = sampled_project()
+    ms.set_current_mesh(1)
+    ms.apply_filter("compute_matrix_from_translation", axisx=30.0, freeze=False)
+    with refused(ms, "off its surface", "moved or replaced since"):
+        ms.apply_filter(MODEL, surface_measures=True)

@@ -3,6 +3,7 @@
 what is wrong."""
 
 import inspect
+import warnings
 
 import numpy as np
 import pymeshlab
@@ -286,6 +287,33 @@ def test_the_most_central_is_the_root_where_it_is_asked_for():
     found = sp.correspond(surfaces, root="Most-central", order="Star", frequency=2)
     assert found.root == 2 and found.figures["parent"].tolist() == [2, 2, -1, 2, 2]
     assert sp.correspond(surfaces, order="Star", frequency=2).root == 0
+
+
+def test_the_most_central_is_the_root_of_what_follows():
+    meshes = pymeshlab.MeshSet()
+    for surface in family([9, 0, 5, 8, 1]):
+        meshes.add_mesh(pymeshlab.Mesh(surface.vertices, surface.faces))
+    meshes.set_current_mesh(0)
+    meshes.apply_filter(filters.ROOT)  # has a map, too
+    meshes.apply_filter(filters.ROOT, most_central=True)
+    assert meshes.current_mesh_id() == 2
+    assert meshes.apply_filter(filters.PROPAGATE, order="Star")["parent"].tolist() == [
+        *(2, 2, -1, 2, 2)
+    ]
+
+
+def test_models_are_measured_between_surfaces_in_the_order_of_the_shapes(cycle):
+    landmarks = sp.remesh(cycle.surfaces, cycle.maps, frequency=5)
+    plain = sp.shape_model(landmarks.points, landmarks.faces)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = sp.shape_model(landmarks.points, landmarks.faces, surfaces=cycle.surfaces)
+    assert np.array_equal(model.scores, plain.scores) and not plain.surface_figures
+    assert len(model.surface_figures["off_surface"]) == len(cycle.surfaces)
+    with pytest.raises(sp.FilterError, match="in the order of the shapes"):
+        sp.shape_model(landmarks.points, landmarks.faces, surfaces=cycle.surfaces[::-1])
+    with pytest.raises(sp.InputError, match="must be one per shape"):
+        sp.shape_model(landmarks.points, landmarks.faces, surfaces=cycle.surfaces[1:])
 
 
 def test_the_most_central_has_the_map_and_the_parents_no_other_root():

@@ -31,6 +31,14 @@ def test_anchors_hold_on_the_surfaces_that_have_them(surfaces):
     assert sp.correspond(surfaces, root=0, frequency=4).anchors is None
 
 
+def test_anchors_in_one_place_are_named(surfaces):
+    apex = surfaces[1].vertices[surfaces[1].vertices[:, 2].argmin()]
+    anchors = [anchors_of(surfaces[0]), {"apex": apex, "left side": apex}, None]
+    root = sp.parameterise_root(surfaces[0])
+    with pytest.warns(sp.SpherePropagationWarning, match="apex.* lie in one place"):
+        sp.propagate(surfaces, root, anchors=anchors)
+
+
 def test_anchors_become_landmarks(surfaces):
     anchors = [anchors_of(surface) for surface in surfaces]
     for frequency in (10, 30):

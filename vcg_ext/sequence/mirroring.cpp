@@ -37,6 +37,24 @@ struct Distances {
   double itself = HUGE_VAL, image = HUGE_VAL;
 };
 
+/// `motion` after each reflection of the shape across a plane through its centre that holds its
+/// long axis, every 15 degrees: about that axis closest points hardly turn a shape that is nearly
+/// round.
+std::vector<Isometry> turnedRound(const Isometry& motion, const PreparedSurface& shape) {
+  constexpr int planes = 12;
+  std::vector<Isometry> turned;
+  for (int k = 0; k < planes; ++k) {
+    const double angle = pi * k / planes;
+    const Vector3 normal =
+        std::cos(angle) * shape.axes().col(1) + std::sin(angle) * shape.axes().col(2);
+    Isometry across;
+    across.rotation -= 2 * normal * normal.transpose();
+    across.translation = 2 * normal.dot(shape.centre()) * normal;
+    turned.push_back(motion * across);
+  }
+  return turned;
+}
+
 Distances distancesOf(const PreparedSurface& from, const PreparedSurface& to,
                       const Poses& fromPoses, const Poses& toPoses) {
   const Isometry back = toPoses.itself.inverse(), backFromImage = toPoses.image.inverse();
@@ -49,11 +67,15 @@ Distances distancesOf(const PreparedSurface& from, const PreparedSurface& to,
   // What is nearly its own mirror image fits as well once more, turned: were only one of the two
   // found, it would be taken for evidence.
   Fit& worse = itself.distance > image.distance ? itself : image;
-  const Isometry& better = itself.distance > image.distance ? image.motion : itself.motion;
-  const Fit again = bestFit(
-      from, to,
-      {better * fromPoses.itself.inverse() * fromPoses.image, back * toPoses.image * better});
+  const Fit better = itself.distance > image.distance ? image : itself;
+  const Fit again = bestFit(from, to,
+                            {better.motion * fromPoses.itself.inverse() * fromPoses.image,
+                             back * toPoses.image * better.motion});
   if (again.distance < worse.distance) worse = again;
+  // A veto alone: what is nearly round fits nearly as well turned about its axis, whichever side it
+  // is on, so that this makes no difference smaller, but may show that it was the other way round.
+  const Fit turned = bestFit(from, to, turnedRound(better.motion, from));
+  if (turned.distance < better.distance) worse = turned;
   return {itself.distance, image.distance};
 }
 

@@ -15,6 +15,8 @@ namespace {
 constexpr double kinds = 1.75, fromMedian = 2.2, deviations = 6;  // apart
 constexpr double besideSeveral = 1.5, severalTimesUsual = 2.5;    // beside
 constexpr double besideOne = 1.75, oneTimesUsual = 3.5;
+constexpr double besideCalm = 1.25, calmTimesUsual = 4;  // several, along a sequence
+constexpr size_t enoughSteps = 5;
 
 std::vector<std::vector<int>> besideInTree(const PropagationTree& tree) {
   std::vector<std::vector<int>> beside = tree.children();
@@ -67,7 +69,7 @@ void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTre
       steps.push_back(
           std::fabs(sizes[static_cast<size_t>(i)] - sizes[static_cast<size_t>(parent)]));
     }
-    return steps.empty() ? 0 : medianOf(steps);
+    return std::pair(steps.empty() ? 0 : medianOf(steps), steps.size());
   };
   for (;;) {
     int worst = -1;
@@ -89,8 +91,12 @@ void markUnlikeNeighbours(const std::vector<double>& sizes, const PropagationTre
       // Of two surfaces the root is right.
       if (others == 1 && i == tree.root() && tree.size() == 2) continue;
       const bool several = others > 1;
-      if (least < std::log(several ? besideSeveral : besideOne)) continue;
-      if (least < (several ? severalTimesUsual : oneTimesUsual) * usualWithout(i)) continue;
+      if (least < std::log(besideCalm)) continue;
+      const auto [usual, steps] = usualWithout(i);
+      const bool leaps = least >= std::log(several ? besideSeveral : besideOne) &&
+                         least >= (several ? severalTimesUsual : oneTimesUsual) * usual;
+      const bool isBump = several && steps >= enoughSteps && least >= calmTimesUsual * usual;
+      if (!leaps && !isBump) continue;
       if (others < most || (others == most && least <= farthest)) continue;
       worst = i;
       most = others;

@@ -30,7 +30,8 @@ struct SurfaceSize {
 ///   the surface is farther from the median than a factor of 2.2 and 6 standard deviations (from
 ///   the median absolute deviation);
 /// - beside: it is larger than all that are beside it in the tree, or smaller, by a factor of 1.5
-///   (1.75 where only one is beside it) and by 2.5 (3.5) times what is usual along the other arcs.
+///   (1.75 where only one is beside it) and by 2.5 (3.5) times what is usual along the other arcs;
+///   or, where several are beside it and there are five other arcs, by 1.25 and 4 times the usual.
 /// Over a heart's cycle neighbours differ by up to 1.2, by 1.4 with three phases, and all phases by
 /// up to 1.4; skulls of twelve species by up to 1.7. Of two surfaces it is the one that is not the
 /// root. tree: one entry per surface.
