@@ -4,12 +4,14 @@
 PyMeshLab, with every parameter of the filters as it comes, but for one column.
 
     groupwise.py [DATA] [NAME ...]
+    groupwise.py [DATA] --restored [NAME ...]
     groupwise.py [DATA] --measures NAME ...
     groupwise.py [DATA] --many N ...
 
     DATA    folder with classic and finch_skulls
             (default SPHERE_PROPAGATION_DATA, else ../shared/data)
     NAME    rows to print: bump, ellipsoids, skull, hippocampus, "other skull", head (default: all)
+    --restored  propagated with area_restoration 1
     --measures  what compactness, generalisation and specificity say of one mode, between landmarks
             and between surfaces, of the truth, after propagation and after each objective
     --many  what N shapes cost instead (warped hippocampi of 3000 vertices, of one mesh)
@@ -133,13 +135,17 @@ def error_of_pairs(measure, truth, found, faces):
     return np.mean(errors)
 
 
-def propagated(meshes):
+def propagated(meshes, restoration=0.0):
     project = pymeshlab.MeshSet()
     for vertices, faces in meshes:
         project.add_mesh(pymeshlab.Mesh(vertices, faces.astype(np.int32)))
     project.set_current_mesh(0)
     project.apply_filter("compute_spherical_parameterisation_root")
-    project.apply_filter("transfer_spherical_parameterisation_to_layers", order="Similarity tree")
+    project.apply_filter(
+        "transfer_spherical_parameterisation_to_layers",
+        order="Similarity tree",
+        area_restoration=restoration,
+    )
     return project
 
 
@@ -268,6 +274,10 @@ def main():
     if names[:1] == ["--many"]:
         print_costs(data, measure, names[1:])
         return
+    restoration = 0.0
+    if names[:1] == ["--restored"]:
+        restoration = 1.0
+        names.pop(0)
     made = populations(data, measure)
     print(
         "| shapes | propagated | groupwise | where they lie (`alignment` None) | flipped faces | "
@@ -280,7 +290,7 @@ def main():
         meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
         errors, flipped, seconds = [], 0, []
         for alignment in (None, "Rigid", "None"):
-            project = propagated(meshes)
+            project = propagated(meshes, restoration)
             start = time.process_time()
             if alignment:
                 project.apply_filter(
