@@ -12,7 +12,7 @@ import pytest
 import pyvista
 import sphere_propagation as sp
 import vtk
-from sphere_propagation import command, readers
+from sphere_propagation import command, files, readers
 
 SHIFT = np.array([50.0, -20.0, 30.0])
 
@@ -242,6 +242,18 @@ def test_frames_that_only_some_tell_are_warned_of(body, tmp_path):
     stl(tmp_path / "b.stl", *body)
     with pytest.warns(sp.SpherePropagationWarning, match="^b does not say whether .* as a does"):
         sp.read_meshes(tmp_path)
+
+
+def test_copies_are_warned_of(body):
+    vertices, faces = body
+    surfaces = [
+        sp.Surface(vertices, faces, "a"),
+        sp.Surface(2 * vertices, faces, "b"),
+        sp.Surface(vertices.copy(), faces, "c"),
+    ]
+    with pytest.warns(sp.SpherePropagationWarning, match="^c is the same surface as a:") as said:
+        files.warn_of_copies(surfaces)
+    assert len(said) == 1
 
 
 @pytest.mark.parametrize(
