@@ -67,10 +67,15 @@ enum class LidRule { Most, Any, Never };
 constexpr host::Named<LidRule> lidRules[]{
     {"Most shapes", LidRule::Most}, {"Any shape", LidRule::Any}, {"Never", LidRule::Never}};
 
-/// Landmark layers in the order of the surfaces that they were made of, which is time order,
-/// wherever they are in the list themselves; those whose surface is not there come last.
-std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
-                                           std::vector<host::Layer> layers) {
+/// Landmark layers, and what each was made of, where that is there.
+struct Origins {
+  std::vector<host::Layer> layers;
+  std::vector<std::optional<host::Layer>> made;
+};
+
+/// In the order of the surfaces that they were made of, which is time order, wherever they are in
+/// the list themselves; those whose surface is not there come last.
+Origins inOrderOfSurfaces(const host::Task& task, const std::vector<host::Layer>& layers) {
   const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
   const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
   logStaleLandmarks(task, layers, surfaces, sources);
@@ -79,9 +84,11 @@ std::vector<host::Layer> inOrderOfSurfaces(const host::Task& task,
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return sources[a].value_or(surfaces.size()) < sources[b].value_or(surfaces.size());
   });
-  std::vector<host::Layer> sorted;
+  Origins sorted;
   for (size_t k = 0; k < order.size(); ++k) {
-    sorted.push_back(layers[order[k]]);
+    sorted.layers.push_back(layers[order[k]]);
+    sorted.made.push_back(sources[order[k]] ? std::optional(surfaces[*sources[order[k]]])
+                                            : std::nullopt);
     if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
       task.sayNaming({layers[order[k - 1]].label(), layers[order[k]].label()},
                      messages::shapeCountedTwice, layers[order[k - 1]].label(),
@@ -152,15 +159,14 @@ AnchorSet anchorsOf(AnchorSources& sources, const host::Layer& layer, const host
   return anchors;
 }
 
+/// made: what each layer was made of, where that is there.
 std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<host::Layer>& layers,
+                                 const std::vector<std::optional<host::Layer>>& made,
                                  bool inFiles) {
-  const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
-  const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
   std::vector<AnchorSet> anchors;
   AnchorSources files(task, AnchorFrame::World);
   for (size_t i = 0; i < layers.size(); ++i)
-    anchors.push_back(
-        anchorsOf(files, layers[i], sources[i] ? &surfaces[*sources[i]] : nullptr, inFiles));
+    anchors.push_back(anchorsOf(files, layers[i], made[i] ? &*made[i] : nullptr, inFiles));
   files.sayWhichAsWritten();
   return anchors;
 }
@@ -193,18 +199,16 @@ void requireOnSurface(const host::Layer& layer, const host::Layer& source,
     throw host::Refusal(messages::landmarksOffSurface, layer.label(), farthest, source.label());
 }
 
-/// What the landmark layers were sampled from. withoutLids: whether the model leaves those out.
-std::vector<SampledSurface> surfacesOf(const host::Task& task,
-                                       const std::vector<host::Layer>& layers, bool withoutLids) {
-  const std::vector<host::Layer> surfaces = task.layers.all(host::LayerKind::Surface);
-  const std::vector<std::optional<size_t>> sources = landmarkSources(layers, surfaces);
+/// What the landmark layers were made of. withoutLids: whether the model leaves those out.
+std::vector<SampledSurface> surfacesOf(const std::vector<host::Layer>& layers,
+                                       const std::vector<std::optional<host::Layer>>& made,
+                                       bool withoutLids) {
   std::vector<SampledSurface> sampled;
   for (size_t i = 0; i < layers.size(); ++i) {
-    if (!sources[i]) throw host::Refusal(messages::noSurfaceToMeasure, layers[i].label());
-    const host::Layer& source = surfaces[*sources[i]];
-    const MeshSurface mesh = source.surface();
-    requireOnSurface(layers[i], source, mesh.surface);
-    const std::vector<int> lids = withoutLids ? source.lids(mesh.meshVertex) : std::vector<int>();
+    if (!made[i]) throw host::Refusal(messages::noSurfaceToMeasure, layers[i].label());
+    const MeshSurface mesh = made[i]->surface();
+    requireOnSurface(layers[i], *made[i], mesh.surface);
+    const std::vector<int> lids = withoutLids ? made[i]->lids(mesh.meshVertex) : std::vector<int>();
     sampled.push_back({mesh.surface.vertices(), mesh.surface.faces()});
     if (!lids.empty()) sampled.back().faces = facesWithout(sampled.back().faces, lids);
   }
@@ -215,10 +219,10 @@ std::vector<SampledSurface> surfacesOf(const host::Task& task,
 /// the icosphere's, and which way these look tells a mirror image, which is named later, but no
 /// fault of a layer.
 Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool withSurfaces) {
-  std::vector<host::Layer> layers = task.layers.visible(host::LayerKind::Landmarks);
-  if (layers.empty()) throw host::Refusal(messages::noLandmarkLayer);
-  requireOneRoot(layers);
-  layers = inOrderOfSurfaces(task, std::move(layers));
+  const std::vector<host::Layer> visible = task.layers.visible(host::LayerKind::Landmarks);
+  if (visible.empty()) throw host::Refusal(messages::noLandmarkLayer);
+  requireOneRoot(visible);
+  const auto [layers, made] = inOrderOfSurfaces(task, visible);
   std::vector<TrainingSet::Shape> shapes;
   std::vector<std::string> mirrored, others;
   std::optional<Triangles> faces, mirroredFaces;
@@ -243,8 +247,8 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool 
   shapesWithLid.resize(static_cast<size_t>(set.landmarkCount()), 0);
   TrainingSet kept = withoutLids(task, std::move(set), shapesWithLid, rule);
   const bool lidsGo = kept.leftOut().size() > 0;
-  return {std::move(kept), anchorsOf(task, layers, anchorsInFiles),
-          withSurfaces ? surfacesOf(task, layers, lidsGo) : std::vector<SampledSurface>()};
+  return {std::move(kept), anchorsOf(task, layers, made, anchorsInFiles),
+          withSurfaces ? surfacesOf(layers, made, lidsGo) : std::vector<SampledSurface>()};
 }
 
 void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {

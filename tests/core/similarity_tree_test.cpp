@@ -112,12 +112,17 @@ TEST(ShapeDistances, OfManyCompareEachWithItsLikeAlone) {
   EXPECT_NEAR(steps[mostCentral(some)], 14.5, 4.5);
 }
 
-TEST(MostCentral, ByHand) {
+Eigen::MatrixXd fourSurfaces() {
   Eigen::MatrixXd d(4, 4);
   d << 0, 1, 4, 9,  //
       1, 0, 2, 5,   //
       4, 2, 0, 3,   //
       9, 5, 3, 0;
+  return d;
+}
+
+TEST(MostCentral, ByHand) {
+  Eigen::MatrixXd d = fourSurfaces();
   EXPECT_EQ(mostCentral(d), 1);  // 14, 8, 9, 17
   d(1, 3) = d(3, 1) = std::numeric_limits<double>::infinity();
   // Only 0 and 2 were compared with all: means of the distances from these are 4, 1.5, 4, 6.
@@ -128,12 +133,7 @@ TEST(MostCentral, ByHand) {
 }
 
 TEST(MinimumSpanningTree, ByHand) {
-  Eigen::MatrixXd d(4, 4);
-  d << 0, 1, 4, 9,  //
-      1, 0, 2, 5,   //
-      4, 2, 0, 3,   //
-      9, 5, 3, 0;
-  const PropagationTree tree = minimumSpanningTree(d, 2);
+  const PropagationTree tree = minimumSpanningTree(fourSurfaces(), 2);
   EXPECT_EQ(tree.parent, (std::vector<int>{1, 2, -1, 2}));
   EXPECT_EQ(tree.order, (std::vector<int>{2, 1, 0, 3}));
 }

@@ -416,10 +416,6 @@ bool isFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, ignored);
 }
 
-}  // namespace
-
-namespace {
-
 AnchorList readByEnding(const std::string& file) {
   const std::string name = lower(file);
   const auto isOf = [&](const std::string& ending) { return endsWith(name, ending); };

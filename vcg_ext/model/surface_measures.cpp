@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/model/surface_measures.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,27 +11,18 @@
 #include "vcg_ext/base/random.h"
 #include "vcg_ext/base/rotation.h"
 #include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/mesh/surface_locator.h"
 #include "vcg_ext/model/leave_one_out.h"
 
 namespace sphere_propagation {
 namespace {
 
-Eigen::VectorXd doubleAreas(const Points& vertices, const Triangles& faces) {
-  Eigen::VectorXd areas(faces.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Vector3 a = vertices.row(faces(f, 0)), b = vertices.row(faces(f, 1)),
-                  c = vertices.row(faces(f, 2));
-    areas[f] = (b - a).cross(c - a).norm();
-  }
-  return areas;
-}
-
 /// Points of a mesh, the k-th where k + 1/2 of `count` equal shares of the area lie before it; in
 /// their faces at the places of a sequence of low discrepancy (M. Roberts' R2, 2018).
 Points evenlySpread(const Points& vertices, const Triangles& faces, int count) {
   constexpr double first = 0.7548776662466927, second = 0.5698402909980532;
-  const Eigen::VectorXd areas = doubleAreas(vertices, faces);
+  const Eigen::VectorXd areas = faceAreas(vertices, faces);
   const double whole = areas.sum();
   Points points(count, 3);
   Eigen::Index face = 0;
@@ -82,20 +72,15 @@ Points movedAlong(const Points& vertices, const Points& from, const Points& to) 
   return (scale * (vertices.rowwise() - centre) * rotation.transpose()).rowwise() + there;
 }
 
-Vector3 normalOf(const Points& vertices, const Triangles& faces, Eigen::Index face) {
-  const Vector3 a = vertices.row(faces(face, 0)), b = vertices.row(faces(face, 1)),
-                c = vertices.row(faces(face, 2));
-  return (b - a).cross(c - a);
-}
-
 int foldedFaces(const Points& landmarks, const Triangles& faces, const Points& vertices,
                 const Triangles& surface, const SurfaceLocator& locator) {
+  const Points normals = faceNormals(landmarks, faces), under = faceNormals(vertices, surface);
   int folded = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const Vector3 centre =
         (landmarks.row(faces(f, 0)) + landmarks.row(faces(f, 1)) + landmarks.row(faces(f, 2))) / 3;
     const int below = locator.closest(centre).face;
-    folded += normalOf(landmarks, faces, f).dot(normalOf(vertices, surface, below)) < 0;
+    folded += normals.row(f).dot(under.row(below)) < 0;
   }
   return folded;
 }

@@ -102,11 +102,16 @@ double distanceAfter(const Affine& affine, const PreparedSurface& from, const Pr
 
 }  // namespace
 
-Isometry reflection(int axis, double plane) {
+Isometry reflection(const Vector3& normal, const Vector3& point) {
   Isometry isometry;
-  isometry.rotation(axis, axis) = -1;
-  isometry.translation[axis] = 2 * plane;
+  isometry.rotation -= 2 * normal * normal.transpose();
+  isometry.translation = 2 * normal.dot(point) * normal;
   return isometry;
+}
+
+Isometry reflection(int axis, double plane) {
+  const Vector3 normal = Vector3::Unit(axis);
+  return reflection(normal, plane * normal);
 }
 
 Isometry roughIsometry(const PreparedSurface& from, const PreparedSurface& to, bool mirroring) {

@@ -13,6 +13,9 @@ namespace sphere_propagation {
 /// image of the shape. Products and inverses are those of RigidMotion.
 using Isometry = RigidMotion;
 
+/// Across the plane with this unit normal through a point.
+Isometry reflection(const Vector3& normal, const Vector3& point);
+
 /// (x, y, z) -> (2 plane - x, y, z), and the same along another axis.
 Isometry reflection(int axis, double plane);
 

@@ -47,10 +47,7 @@ std::vector<Isometry> turnedRound(const Isometry& motion, const PreparedSurface&
     const double angle = pi * k / planes;
     const Vector3 normal =
         std::cos(angle) * shape.axes().col(1) + std::sin(angle) * shape.axes().col(2);
-    Isometry across;
-    across.rotation -= 2 * normal * normal.transpose();
-    across.translation = 2 * normal.dot(shape.centre()) * normal;
-    turned.push_back(motion * across);
+    turned.push_back(motion * reflection(normal, shape.centre()));
   }
   return turned;
 }
