@@ -28,7 +28,8 @@ Eigen::VectorXd vectorOf(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-constexpr double trusted = 0.5;  // below this, a shape is named
+constexpr double trusted = 0.5;         // below this, a shape is named
+constexpr double squeezedToSay = 0.01;  // of a surface
 
 /// The maps that are optimised together belong together, and to no others any more.
 int markOf(const Groupwise& optimised) {
@@ -109,6 +110,12 @@ class GroupwiseFilter : public host::Filter {
       if (shape.trust < trusted) task.sayOf(layer, messages::shapeNotCommon, 100 * shape.trust);
       figures.set(i, measures, stopwatch.seconds() / static_cast<double>(count));
     }
+    std::string opened;
+    for (size_t i = 0; i < count; ++i)
+      if (const double squeezed = optimised.shapes[i].squeezed; squeezed > squeezedToSay)
+        opened += (opened.empty() ? "\"" : ", \"") + layers[i].layer.label() + "\" (" +
+                  shortNumber(100 * squeezed) + " %)";
+    if (!opened.empty()) task.say(messages::groupwiseOpened, opened);
     std::string moves;
     for (const double far : optimised.moves)
       moves += (moves.empty() ? "" : ", ") + shortNumber(far);

@@ -139,6 +139,60 @@ TEST(AreaRestoration, RefusesWhatIsOutOfRange) {
     EXPECT_THROW(restoreArea(e.map, amount), ParameterError);
 }
 
+/// A round body on a map that gives its south little of the sphere: by a Moebius transformation,
+/// areas go from 1 / 16 to 16 times their share.
+MappedSurface squeezedMap() {
+  const test::Mesh sphere = test::icosphereMesh(12);
+  Points positions = sphere.vertices;
+  for (auto u : positions.rowwise()) {
+    const double stretch = 4 * std::sqrt((1 - u[2]) / std::max(1 + u[2], 1e-12)),
+                 z = (1 - stretch * stretch) / (1 + stretch * stretch);
+    const double round = std::hypot(u[0], u[1]);
+    if (round > 0) u.head<2>() *= std::sqrt(1 - z * z) / round;
+    u[2] = z;
+    u.normalize();
+  }
+  return {ClosedSurface(sphere.vertices, sphere.faces), positions};
+}
+
+TEST(AreaBounds, OpenWhatIsSqueezedAndNoMore) {
+  const MappedSurface map = squeezedMap();
+  const double before = squeezedShare(map, 3);
+  EXPECT_GT(before, 0.2);
+  const MappedSurface opened = boundAreas(map, 3);
+  EXPECT_TRUE(certify(opened.faces(), opened.positions()).valid());
+  EXPECT_LT(squeezedShare(opened, 4), 0.02);
+  // Not all areas were made alike: much still has less than two thirds of its share.
+  EXPECT_GT(squeezedShare(opened, 1.5), 0.2);
+  EXPECT_LT(squeezedShare(boundAreas(map, 1), 1.5), 0.02);
+}
+
+TEST(AreaBounds, LeaveMapsWithinThemBitForBit) {
+  const MappedSurface map = squeezedMap();
+  EXPECT_EQ(boundAreas(map, 40).positions(), map.positions());
+  EXPECT_NE(boundAreas(map, 8).positions(), map.positions());
+}
+
+TEST(AreaBounds, AreFoundFromTheShareThatMayBeSqueezed) {
+  const MappedSurface map = squeezedMap();
+  double last = std::numeric_limits<double>::infinity();
+  for (const double share : {0.0, 0.01, 0.1, 0.3}) {
+    const double bound = boundOfSqueezing(map, share);
+    EXPECT_LT(bound, last);
+    EXPECT_LE(squeezedShare(map, bound * (1 + 1e-9)), share);
+    EXPECT_GT(squeezedShare(map, bound * (1 - 1e-9)), share);
+    last = bound;
+  }
+  EXPECT_EQ(boundOfSqueezing(map, 1), 1);
+}
+
+TEST(AreaBounds, RefuseWhatIsNone) {
+  const MappedSurface map = squeezedMap();
+  for (double bound : {0.99, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(boundAreas(map, bound), ParameterError);
+  EXPECT_THROW(squeezedShare(map, 0), ParameterError);
+}
+
 TEST(BestRotation, IsProperAndFindsTheTurn) {
   const Points points = test::noisyEllipsoid(2).vertices;
   const Eigen::Matrix3d rotation = test::randomRotation(8);

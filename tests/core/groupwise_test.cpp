@@ -13,9 +13,11 @@
 
 #include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
+#include "vcg_ext/area/area_restoration.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/groupwise/description_length.h"
 #include "vcg_ext/groupwise/moving_landmarks.h"
+#include "vcg_ext/groupwise/opened_maps.h"
 #include "vcg_ext/groupwise/population_model.h"
 #include "vcg_ext/groupwise/population_pose.h"
 #include "vcg_ext/groupwise/sphere_fields.h"
@@ -106,6 +108,20 @@ std::vector<MappedSurface> mapsOf(const Groupwise& optimised) {
 
 double largestAngle(const Points& a, const Points& b) {
   return (a - b).rowwise().norm().maxCoeff();
+}
+
+/// The map with one end squeezed: by a Moebius transformation, up to `most` squared.
+MappedSurface squeezed(const MappedSurface& map, double most) {
+  Points positions = map.positions();
+  for (auto u : positions.rowwise()) {
+    const double stretch = most * std::sqrt((1 - u[2]) / std::max(1 + u[2], 1e-12)),
+                 z = (1 - stretch * stretch) / (1 + stretch * stretch);
+    const double round = std::hypot(u[0], u[1]);
+    if (round > 0) u.head<2>() *= std::sqrt(1 - z * z) / round;
+    u[2] = z;
+    u.normalize();
+  }
+  return {map.surface(), positions};
 }
 
 // ---------------------------------------------------------------- fields and flows
@@ -411,6 +427,46 @@ TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
   const double spread = family.error(family.mapped(0.25));
   EXPECT_LT(family.error(mapsOf(optimiseGroupwise(family.mapped(0), pool, parameters))),
             0.35 * spread);
+}
+
+TEST(OpenedMaps, OnlyWhatIsSqueezedMoves) {
+  std::vector<MappedSurface> maps = Family(6).mapped(0);
+  maps[2] = squeezed(maps[2], 4);
+  ThreadPool pool(2);
+  const std::vector<OpenedMap> opened = openedMaps(maps, pool);
+  ASSERT_EQ(opened.size(), maps.size());
+  for (size_t k = 0; k < maps.size(); ++k) {
+    EXPECT_EQ(opened[k].squeezed > 0, k == 2);
+    EXPECT_EQ(opened[k].map.positions() == maps[k].positions(), k != 2);
+    EXPECT_TRUE(certify(opened[k].map.faces(), opened[k].map.positions()).valid());
+  }
+  EXPECT_GT(opened[2].squeezed, 0.15);
+  // All of it came back: it is again near where it was.
+  EXPECT_LT(largestAngle(opened[2].map.positions(), maps[0].positions()),
+            0.5 * largestAngle(maps[2].positions(), maps[0].positions()));
+}
+
+TEST(OpenedMaps, WhatAllMapsSqueezeIsNoLoss) {
+  std::vector<MappedSurface> maps = Family(4).mapped(0);
+  for (MappedSurface& map : maps) map = squeezed(map, 3);
+  ThreadPool pool(1);
+  const std::vector<OpenedMap> opened = openedMaps(maps, pool);
+  for (size_t k = 0; k < maps.size(); ++k)
+    EXPECT_LT(opened[k].squeezed, 0.3 * squeezedShare(maps[k], 3));
+}
+
+TEST(Groupwise, FindsWhatPropagationSqueezed) {
+  if (test::underSanitizer()) GTEST_SKIP() << "runs what others run";
+  const Family family(8);
+  std::vector<MappedSurface> maps = family.mapped(0.1);
+  for (const size_t k : {2, 5}) maps[k] = squeezed(maps[k], 10);
+  ThreadPool pool(1);
+  GroupwiseParameters parameters = sized();
+  parameters.alignment = Alignment::None;
+  const Groupwise found = optimiseGroupwise(maps, pool, parameters);
+  EXPECT_LT(family.error(mapsOf(found)), 0.3 * family.error(maps));
+  EXPECT_GT(found.shapes[2].squeezed, 0.15);
+  EXPECT_EQ(found.shapes[0].squeezed, 0);
 }
 
 TEST(Groupwise, ShapesThatAgreeStayAsTheyAre) {

@@ -22,4 +22,17 @@ namespace sphere_propagation {
 /// map is not the surface's.
 MappedSurface restoreArea(const MappedSurface& map, double amount, const Progress& progress = {});
 
+/// The same where it is needed most: faces whose solid angle is less than 1 / bound or more than
+/// bound times their share of the surface get just that, all others keep theirs (all scaled to 4 pi
+/// together). Where there is no such face the map is returned bit for bit. bound: 1, which
+/// preserves areas all but exactly, or more; else a ParameterError is thrown.
+MappedSurface boundAreas(const MappedSurface& map, double bound);
+
+/// The share of the surface that lies in faces with less than 1 / bound of their share of the
+/// sphere. bound: above 0.
+double squeezedShare(const MappedSurface& map, double bound);
+
+/// The least bound, 1 or more, by which no larger share of the surface than this is squeezed.
+double boundOfSqueezing(const MappedSurface& map, double share);
+
 }  // namespace sphere_propagation

@@ -11,6 +11,7 @@
 #include "vcg_ext/base/random.h"
 #include "vcg_ext/groupwise/description_length.h"
 #include "vcg_ext/groupwise/moving_landmarks.h"
+#include "vcg_ext/groupwise/opened_maps.h"
 #include "vcg_ext/groupwise/population_model.h"
 #include "vcg_ext/groupwise/population_pose.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -39,17 +40,17 @@ constexpr double lengthDamping = 0.05, noiseVariance = 1e-4;
 
 class Population {
  public:
-  Population(const std::vector<MappedSurface>& surfaces, const GroupwiseParameters& parameters,
+  Population(const std::vector<OpenedMap>& surfaces, const GroupwiseParameters& parameters,
              ThreadPool& pool)
       : parameters_(parameters),
         pool_(pool),
         sphere_(std::make_shared<const Icosphere>(icosphere(parameters.frequency))) {
     double area = 0;
-    for (const MappedSurface& surface : surfaces)
-      area += faceAreas(surface.surface().vertices(), surface.faces()).sum();
+    for (const OpenedMap& surface : surfaces)
+      area += faceAreas(surface.map.surface().vertices(), surface.map.faces()).sum();
     radius_ = radiusOfSphere(area / static_cast<double>(surfaces.size()));
     shapes_ = pool.makeEach(static_cast<int>(surfaces.size()), [&](int k) {
-      const MappedSurface& given = surfaces[static_cast<size_t>(k)];
+      const MappedSurface& given = surfaces[static_cast<size_t>(k)].map;
       return std::make_unique<MovingLandmarks>(given.of(scaled(given.surface())), sphere_);
     });
   }
@@ -207,7 +208,9 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
   requireValid(parameters);
   requireRange("number of shapes", static_cast<double>(surfaces.size()),
                Range::atLeast(minGroupwiseShapes));
-  Population population(surfaces, parameters, pool);
+  const std::vector<OpenedMap> opened = openedMaps(surfaces, pool);
+  report(progress, 0.05);
+  Population population(opened, parameters, pool);
   const int count = population.count();
   const std::vector<Points> first = population.points();
   const double radius = population.radius();
@@ -260,7 +263,8 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     const Eigen::VectorXd moved = (last[i] - first[i]).rowwise().norm();
     result.shapes.push_back({maps[i].map.of(surfaces[i].surface()),
                              radius * moved.dot(pose.weights), radius * residuals[k],
-                             maps[i].repairedFaces, maps[i].share, pose.trust[k]});
+                             maps[i].repairedFaces, maps[i].share, pose.trust[k],
+                             opened[i].squeezed});
   }
   report(progress, 1);
   return result;

@@ -45,13 +45,16 @@ constexpr int minGroupwiseShapes = 2;
 
 struct GroupwiseShape {
   MappedSurface map;
-  double tangentialMove = 0;  ///< mean distance between landmarks before and after, by area
+  double tangentialMove = 0;  ///< mean distance between landmarks before and after, by area, once
+                              ///< the map is opened
   double modelResidual = 0;   ///< root mean square of the distance, along the normal, between
                               ///< landmarks and where the model expects them
   int repairedFaces = 0;      ///< faces that were flipped before the repair
   double followedShare = 1;   ///< of the flows that the map could follow
   double trust = 1;           ///< how much it counted for what all have in common, 0 to 1: little
                               ///< where its shape does not belong to the others
+  double squeezed = 0;        ///< share of its surface that had too little of the sphere on the map
+                              ///< that came, and was opened first (opened_maps.h)
 };
 
 struct Groupwise {
