@@ -161,6 +161,11 @@ QString withoutNumber(const QString& label) {
   return QString(label).remove(number);
 }
 
+// MeshLab 2025.07 draws a mesh of as many faces as before with the places and normals that it had,
+// unless each is said to have changed.
+constexpr int wholeMesh = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL |
+                          MeshModel::MM_FACENORMAL | MeshModel::MM_FACEVERT;
+
 }  // namespace
 
 struct Changes::MapChange {
@@ -508,7 +513,7 @@ int Changes::commit() {
   int changed = MeshModel::MM_NONE;
   for (const MirrorChange& change : mirrors_) {
     mirrorLayer(*document_.getMesh(static_cast<unsigned int>(change.layerId)), change.plane);
-    changed |= MeshModel::MM_VERTCOORD | MeshModel::MM_FACEVERT;
+    changed |= wholeMesh;
   }
   for (MapChange& change : maps_) {
     MeshModel& mesh = *document_.getMesh(static_cast<unsigned int>(change.layerId));
@@ -590,9 +595,7 @@ int Changes::commit() {
     mesh.setMeshModified();
     if (i == 0 && (firstBecomesCurrent_ || document_.mm() == nullptr))
       document_.setCurrentMesh(mesh.id());
-    // Faces stand for all that a layer holds: the GUI then shows it anew also where the numbers
-    // stayed the same.
-    if (layers_[i].replacedId >= 0) changed |= MeshModel::MM_FACEVERT | MeshModel::MM_VERTCOLOR;
+    if (layers_[i].replacedId >= 0) changed |= wholeMesh | MeshModel::MM_VERTCOLOR;
     if (mesh.cm.sfn > 0 || mesh.cm.svn > 0)
       changed |= MeshModel::MM_FACEFLAGSELECT | MeshModel::MM_VERTFLAGSELECT;
   }

@@ -21,6 +21,7 @@ import pymeshlab
 import pytest
 from gui import CREATING, FILTERS_WITH_DIALOG, GuiError, MeshLab, until
 from picking import pick
+from PIL import Image
 
 SAMPLE = Path(__file__).parents[2] / "sample_projects/ventricle"
 PICTURES = Path(os.environ["GUI_PICTURES"])
@@ -369,6 +370,26 @@ def test_an_error_is_shown_and_nothing_is_lost(start, sample, tmp_path):
         assert gui.alive() and labels(gui) == ["ventricle_1", "open"]
         gui.choose_layer("ventricle_1")
         assert "0 flipped faces" in gui.apply(ROOT)
+
+
+def test_turned_faces_are_drawn_anew(start, tmp_path):
+    """A mesh of as many faces as before, whose normals are others: what was dark is bright."""
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(SAMPLE / "surfaces/ventricle_0.ply"))
+    ms.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()[:, ::-1]))
+    ms.save_current_mesh(str(tmp_path / "inward.ply"), save_vertex_color=False)
+    with start(tmp_path / "inward.ply") as gui:
+        gui.fill_screen()
+        light = []
+        for name in ("19-inward", "20-turned"):
+            if light:
+                assert "faces turned" in gui.apply("Prepare surface")
+                gui.close_dialog()
+            gui.trigger("Reset Trackball")
+            time.sleep(1)
+            picture = np.asarray(Image.open(gui.picture(name)).convert("L"), float)
+            light.append(picture[330:470, 330:470].mean())  # the middle of what is seen
+    assert light[1] > 1.5 * light[0], light
 
 
 def test_hidden_and_moved_layers(start, sample):
