@@ -373,15 +373,20 @@ def _load(path: Path):
 
 @contextmanager
 def _plain_name(path: Path) -> Iterator[Path]:
-    """A name that PyMeshLab understands in every locale: it loses others where LC_ALL=C."""
+    """A file that PyMeshLab understands: in every locale, of which it loses other names where
+    LC_ALL=C, and in the types that it knows."""
     path = path.resolve()
-    if str(path).isascii():
+    plain = readers.plain_ply(path) if path.suffix.lower() == ".ply" else None
+    if plain is None and str(path).isascii():
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
-        link = Path(folder) / f"mesh{path.suffix}"
-        link.symlink_to(path)
-        yield link
+        name = Path(folder) / f"mesh{path.suffix}"
+        if plain is None:
+            name.symlink_to(path)
+        else:
+            name.write_bytes(plain)
+        yield name
 
 
 def _has_ply_header(path: Path) -> bool:

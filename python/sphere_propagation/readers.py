@@ -49,6 +49,11 @@ PLY_TYPES = {
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
+PLY_FACES = re.compile(
+    rb"^property[ \t]+list[ \t]+(\w+)[ \t]+(\w+)[ \t]+(vertex_index|vertex_indices)\b", re.M
+)
+PLAIN_PLY_FACES = b"property list uchar int vertex_indices"
+PLY_FACES_END = ["property", "element"]  # the list is all that a face has
 # vtkCellType: vertices and lines, which are no part of a surface, and what can be cut in triangles.
 NO_FACES, FACES = {1, 2, 3, 4}, {5, 6, 7, 8, 9}
 
@@ -146,6 +151,56 @@ def _in_ply(content: bytes) -> bool:
             return True
         start += number.itemsize + corners * corner.itemsize
     return False
+
+
+def plain_ply(path: Path) -> Optional[bytes]:
+    """The same PLY file with faces as lists of uchar and int; None where PyMeshLab knows their
+    types. Most others it takes for something else, and may not notice."""
+    content = path.read_bytes()
+    header, end, rest = content.partition(b"end_header")
+    found = PLY_FACES.search(header)
+    if not found:
+        return None
+    number, corner = (PLY_TYPES.get(name.decode()) for name in found.groups()[:2])
+    known = ("i4", "u4") if found[3] == b"vertex_indices" else ("i4",)
+    if number in ("i1", "u1") and corner in known:
+        return None
+    plain = header[: found.start()] + PLAIN_PLY_FACES + header[found.end() :] + end
+    order = re.search(rb"^format[ \t]+(\w+)", header, re.M)
+    if order and order[1] == b"ascii":
+        return plain + rest
+    refused = FileError(
+        f"{path} cannot be read as a mesh. Its faces are lists of {found[1].decode()} and "
+        f"{found[2].decode()} beside other things: write them as uchar and int."
+    )
+    words = [line.split() for line in header.decode("latin-1").splitlines()]
+    elements = [line for line in words if line[:1] in (["element"], ["property"])]
+    split = next((i for i, line in enumerate(elements) if line[1] == "face"), 0)
+    sizes = [PLY_TYPES.get(line[1]) for line in elements[1:split]]
+    kinds = [line[1] for line in elements if line[0] == "element"]
+    endian = {b"binary_little_endian": "<", b"binary_big_endian": ">"}.get(order and order[1])
+    if (
+        kinds[:2] != ["vertex", "face"]
+        or None in (*sizes, number, corner, endian)
+        or [line[0] for line in elements[split + 1 : split + 3]]
+        not in (["property"], PLY_FACES_END)
+    ):
+        raise refused
+    start = rest.find(b"\n") + 1
+    begin = start + int(elements[0][2]) * sum(int(size[1:]) for size in sizes if size)
+    count_type, corner_type = np.dtype(f"{endian}{number}"), np.dtype(f"{endian}{corner}")
+    faces = []
+    at = begin
+    try:
+        for _ in range(int(elements[split][2])):
+            corners = int(np.frombuffer(rest, count_type, 1, at)[0])
+            at += count_type.itemsize
+            indices = np.frombuffer(rest, corner_type, corners, at)
+            at += corners * corner_type.itemsize
+            faces.append(bytes([corners]) + indices.astype(f"{endian}i4").tobytes())
+    except (ValueError, IndexError) as error:
+        raise FileError(f"{path} cannot be read as a mesh. It ends too early.") from error
+    return plain + rest[:begin] + b"".join(faces) + rest[at:]
 
 
 def _in_obj(content: bytes) -> bool:

@@ -136,6 +136,42 @@ def test_what_is_written_is_read(name, body, tmp_path):
         assert np.array_equal(surface.faces, faces)
 
 
+@pytest.mark.parametrize("format", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("name", ["vertex_index", "vertex_indices"])
+def test_ply_with_faces_in_any_types(format, name, body, tmp_path):
+    """Some of them MeshLab reads as other faces, without a word."""
+    v, f = body[0].astype("f4"), body[1]
+    e = ">" if "big" in format else "<"
+    for count, number in (("uchar", "u1"), ("uint8", "u1"), ("int", "i4"), ("uint", "u4")):
+        for index, corner in (("ushort", "u2"), ("int", "i4"), ("uint", "u4"), ("uint32", "u4")):
+            head = f"ply\nformat {format} 1.0\ncomment x\nelement vertex {len(v)}\n"
+            head += "".join(f"property float {axis}\n" for axis in "xyz")
+            head += f"element face {len(f)}\nproperty list {count} {index} {name}\nend_header\n"
+            if format == "ascii":
+                rows = [" ".join(map(repr, p.tolist())) for p in v]
+                rows += [" ".join(map(str, (3, *face))) for face in f.tolist()]
+                content = ("\n".join(rows) + "\n").encode()
+            else:
+                faces = np.empty(len(f), [("n", e + number), ("i", e + corner, 3)])
+                faces["n"], faces["i"] = 3, f
+                content = v.astype(e + "f4").tobytes() + faces.tobytes()
+            path = tmp_path / "body.ply"
+            path.write_bytes(head.encode() + content)
+            found = sp.read_mesh(path)
+            assert np.array_equal(found.faces, f), (count, index)
+            assert np.abs(found.vertices - v).max() < 1e-5
+
+
+def test_ply_with_lists_that_are_not_known_beside_others_is_refused(tmp_path):
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex 4\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 4\nproperty list uchar ushort vertex_indices\nproperty uchar flag\n"
+    path = tmp_path / "flags.ply"
+    path.write_bytes(head.encode() + b"end_header\n" + bytes(4 * 12 + 4 * 8))
+    with pytest.raises(sp.FileError, match="lists of uchar and ushort beside other things"):
+        sp.read_mesh(path)
+
+
 def test_names_that_the_locale_does_not_have(body, tmp_path, run_python):
     """PyMeshLab loses them where LC_ALL=C."""
     folder = tmp_path / "Фазы"
