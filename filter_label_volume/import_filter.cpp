@@ -46,6 +46,7 @@ constexpr size_t maxPlaces = 3;
 constexpr double maxLoss = 0.1;
 constexpr double maxDifference = 0.05;
 constexpr double maxDropped = 0.01;
+constexpr double shortest = 1, longest = 2000;  // mm; organs are between
 
 /// Slices that lie so far off the line of those beside them are named, mm: where several phases say
 /// so, and where one does, which bends may mislead.
@@ -373,6 +374,10 @@ class ImportFilter : public host::Filter {
       remarks.add(name, volume_messages::partsDropped, 100 * droppedShare(surface));
     if (surface.interpolatedSlices > 0)
       remarks.add(name, volume_messages::slicesInterpolated, surface.interpolatedSlices);
+    const double length =
+        (surface.vertices.colwise().maxCoeff() - surface.vertices.colwise().minCoeff()).maxCoeff();
+    if (length < shortest || length > longest)
+      remarks.add(name, volume_messages::oddExtent, length, surface.voxelSize);
   }
 
   /// How much of what was kept of the label its surface does not enclose.

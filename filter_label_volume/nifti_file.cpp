@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t firstLength = 348, secondLength = 540;  // of the headers
+constexpr double sizesDiffer = 0.02;                     // of voxels, as a logarithm
 constexpr size_t extensionLength = 4;                    // behind them in single files, at least
 
 /// Reads numbers of a header, whichever way round their bytes are.
@@ -167,32 +168,69 @@ double unitOf(const RawHeader& raw) {
   return unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
 }
 
-/// Methods 3 (sform), 2 (qform) and 1 of the format.
-Eigen::Matrix4d niftiMatrix(const RawHeader& raw, std::vector<host::Remark>& remarks) {
+/// Method 3 of the format.
+Eigen::Matrix4d sformMatrix(const RawHeader& raw) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  for (size_t i = 0; i < 12; ++i)
+    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) =
+        raw.real(280, 400, i);
+  return matrix;
+}
+
+/// Method 2, and without a place in space method 1.
+Eigen::Matrix4d qformMatrix(const RawHeader& raw, bool placed) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  if (placed) {
+    const double b = raw.real(256, 352, 0), c = raw.real(256, 352, 1), d = raw.real(256, 352, 2);
+    const double rest = 1 - b * b - c * c - d * d;
+    const Eigen::Quaterniond q(std::sqrt(std::max(rest, 0.0)), b, c, d);
+    matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
+    if (raw.real(76, 104) < 0) matrix.col(2) *= -1;
+    for (size_t i = 0; i < 3; ++i) matrix(static_cast<Eigen::Index>(i), 3) = raw.real(268, 376, i);
+  }
+  for (size_t i = 0; i < 3; ++i)
+    matrix.col(static_cast<Eigen::Index>(i)) *= std::fabs(raw.real(76, 104, i + 1));
+  return matrix;
+}
+
+/// What there is to say where the two say different things: other programs believe the other one.
+void compareForms(const Eigen::Matrix4d& sform, const Eigen::Matrix4d& qform,
+                  VolumeHeader& header) {
+  const double s = sform.topLeftCorner<3, 3>().determinant(),
+               q = qform.topLeftCorner<3, 3>().determinant();
+  if (!std::isfinite(s * q) || s == 0 || q == 0) return;
+  if (s * q < 0) {
+    header.remarks.push_back(host::remarkOn("", volume_messages::formsMirror));
+  } else if (std::fabs(std::log(s / q)) > sizesDiffer) {
+    header.remarks.push_back(
+        host::remarkOn("", volume_messages::formsDifferInSize, std::fabs(s), std::fabs(q)));
+  } else {
+    double apart = 0;  // of corners
+    for (int corner = 0; corner < 8; ++corner) {
+      Eigen::Vector4d voxel(0, 0, 0, 1);
+      for (size_t i = 0; i < 3; ++i)
+        if ((corner >> i & 1) != 0)
+          voxel[static_cast<Eigen::Index>(i)] = static_cast<double>(header.size[i] - 1);
+      apart = std::max(apart, ((sform - qform) * voxel).norm());
+    }
+    if (apart > std::cbrt(std::fabs(s)))
+      header.remarks.push_back(host::remarkOn("", volume_messages::formsDiffer, apart));
+  }
+}
+
+Eigen::Matrix4d niftiMatrix(const RawHeader& raw, VolumeHeader& header) {
   const Fields f = raw.fields();
   const int qform = raw.second() ? f.get<std::int32_t>(344) : f.get<std::int16_t>(252);
   const int sform = raw.second() ? f.get<std::int32_t>(348) : f.get<std::int16_t>(254);
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  if (sform > 0) {
-    for (size_t i = 0; i < 12; ++i)
-      matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) =
-          raw.real(280, 400, i);
-  } else {
-    if (qform > 0) {
-      const double b = raw.real(256, 352, 0), c = raw.real(256, 352, 1), d = raw.real(256, 352, 2);
-      const double rest = 1 - b * b - c * c - d * d;
-      const Eigen::Quaterniond q(std::sqrt(std::max(rest, 0.0)), b, c, d);
-      matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
-      if (raw.real(76, 104) < 0) matrix.col(2) *= -1;
-      for (size_t i = 0; i < 3; ++i)
-        matrix(static_cast<Eigen::Index>(i), 3) = raw.real(268, 376, i);
-    } else {
-      remarks.push_back(host::remarkOn("", volume_messages::noPlaceRas));
-    }
-    for (size_t i = 0; i < 3; ++i)
-      matrix.col(static_cast<Eigen::Index>(i)) *= std::fabs(raw.real(76, 104, i + 1));
+  Eigen::Matrix4d byQuaternion = qformMatrix(raw, qform > 0);
+  byQuaternion.topRows<3>() *= unitOf(raw);
+  if (sform <= 0) {
+    if (qform <= 0) header.remarks.push_back(host::remarkOn("", volume_messages::noPlaceRas));
+    return byQuaternion;
   }
+  Eigen::Matrix4d matrix = sformMatrix(raw);
   matrix.topRows<3>() *= unitOf(raw);
+  if (qform > 0) compareForms(matrix, byQuaternion, header);
   return matrix;
 }
 
@@ -275,7 +313,7 @@ VolumeHeader readNiftiHeader(const std::string& name) {
     header.toRas = analyzeMatrix(raw, header);
     header.remarks.push_back(host::remarkOn("", volume_messages::analyzeSides));
   } else {
-    header.toRas = niftiMatrix(raw, header.remarks);
+    header.toRas = niftiMatrix(raw, header);
   }
   // Scaled only by a slope that is a number other than 0; what is no number shifts nothing.
   const double slope = raw.real(112, 176), shift = raw.real(116, 184);

@@ -567,7 +567,7 @@ UNSURE = {
     "a.nii": (lambda: files.nifti(EGG, sform=0, pixdim=(1, 1, 1)), "Note", "noPlaceRas"),
     "b.nii": (lambda: files.nifti(np.where(EGG, 1, np.nan)), "Note", "nanIsBackground"),
     "c.nrrd": (lambda: files.nrrd_of(EGG), "Note", "noPlaceLps"),
-    "d.nrrd": (lambda: files.nrrd_of(EGG, "space: scanner-xyz", DIRECTIONS), "Note", "noSides"),
+    "d.nrrd": (lambda: files.nrrd_of(EGG, "space: scanner-xyz", DIRECTIONS), "Warning", "noSides"),
     "e.nrrd": (lambda: files.nrrd_of(EGG, "space dimension: 3", DIRECTIONS), "Note", "noPlaceLps"),
     "f.nrrd": (
         lambda: files.nrrd_of(EGG, "space: 3D-left-handed", DIRECTIONS),
@@ -580,6 +580,21 @@ UNSURE = {
         "unknownUnit",
     ),
     "h.mha": (lambda: files.meta_of(EGG, "DistanceUnits = ell"), "Warning", "unknownUnit"),
+    "j.nii": (
+        lambda: files.nifti(EGG, np.diag([-2, 2, 2, 1]), qform=(0, 0, 0, (0, 0, 0), 1)),
+        "Warning",
+        "formsMirror",
+    ),
+    "k.nii": (
+        lambda: files.nifti(EGG, 2 * np.eye(4), qform=(0, 0, 0, (0, 0, 0), 1), pixdim=[1.5] * 3),
+        "Warning",
+        "formsDifferInSize",
+    ),
+    "l.nii": (
+        lambda: files.nifti(EGG, 2 * np.eye(4), qform=(0, 0, 1, (0, 0, 0), 1)),
+        "Note",
+        "formsDiffer",
+    ),
     "i.mha": (
         lambda: files.meta_of(EGG, "AnatomicalOrientation = SLA"),
         "Note",
@@ -595,10 +610,37 @@ def test_what_is_assumed_is_said(tmp_path, name):
     assert unsure(returned) == [(kind, message, name[0])]
 
 
+@pytest.mark.parametrize("spacing, odd", [(0.002, True), (1, False), (400, True)])
+def test_a_surface_of_no_organs_size_is_warned_of(tmp_path, spacing, odd):
+    """As from voxels in metres whose unit the header calls mm."""
+    path = written(tmp_path, "odd.nii", files.nifti(EGG, np.diag([*[spacing] * 3, 1])))
+    _, returned = imported(path)
+    assert [message for _, message, _ in unsure(returned)] == ["oddExtent"] * odd
+
+
+@pytest.mark.parametrize("time", [False, True])
+@pytest.mark.parametrize("space", ["scanner-xyz", "3D-right-handed", "3D-left-handed"])
+def test_spaces_that_name_no_side_are_warned_of(tmp_path, space, time):
+    """With the file, the space, and what was assumed; the body lies where that puts it."""
+    space += "-time" if time else ""
+    directions = DIRECTIONS if not time else DIRECTIONS.replace(")", ",0)") + " (0,0,0,40)"
+    origin = ORIGIN if not time else ORIGIN.replace(")", ",0)")
+    array = EGG if not time else moving()
+    path = written(
+        tmp_path, "odd.nrrd", files.nrrd_of(array, f"space: {space}", directions, origin)
+    )
+    ms, returned = imported(path)
+    remark = json.loads(bytes(returned["warnings"].astype(int).tolist()).decode())[0]
+    assert remark["kind"] == "Warning" and remark["subject"] == "odd"
+    assert space.lower() in remark["text"] and "left, posterior and superior" in remark["text"]
+    if not time:
+        require_read(path, np.diag([-1, -1, 1, 1]) @ MATRIX)
+
+
 def test_nothing_is_said_of_files_that_say_it_all(tmp_path):
     for name, data in (
         ("a.nii", files.nifti(EGG, MATRIX)),
-        ("b.nrrd", files.nrrd_of(EGG, "space: LAS", DIRECTIONS, 'space units: "um" "um" "um"')),
+        ("b.nrrd", files.nrrd_of(EGG, "space: LAS", DIRECTIONS, 'space units: "cm" "cm" "cm"')),
         ("c.mha", files.meta_of(EGG, "DistanceUnits = mm", "AnatomicalOrientation = RAI")),
     ):
         assert unsure(imported(written(tmp_path, name, data))[1]) == []
