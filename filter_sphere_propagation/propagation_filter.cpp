@@ -160,7 +160,7 @@ class PropagationFilter : public host::Filter {
     PropagationTree tree;
     const bool mirrors = task.values.flag("mirror_layers");
     std::vector<std::optional<double>> mirrorPlanes;
-    std::vector<SurfaceSide> sides;
+    SurfaceSides sides;
     {
       ThreadPool pool(asked.threads);
       ReflectedSequence reflected =
@@ -483,21 +483,28 @@ class PropagationFilter : public host::Filter {
 
   /// What was found of left and right, besides what was reflected.
   static void warnOfSides(const host::Task& task, const Participants& participants,
-                          const std::vector<SurfaceSide>& sides, bool mirrors) {
+                          const SurfaceSides& sides, bool mirrors) {
     size_t mirrored = 0;
     std::vector<std::string> inDoubt, unknown;
-    for (size_t i = 0; i < sides.size(); ++i) {
+    for (size_t i = 0; i < sides.surfaces.size(); ++i) {
       const host::Layer& layer = participants.layers[i];
-      if (sides[i].mirrored) ++mirrored;
-      if (sides[i].mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
-      if (!sides[i].known) (sides[i].inDoubt ? inDoubt : unknown).push_back(layer.label());
+      const SurfaceSide& side = sides.surfaces[i];
+      if (side.mirrored) ++mirrored;
+      if (side.mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
+      if (side.imageOf >= 0)
+        task.sayOf(layer, messages::mirrorCopy,
+                   participants.layers[static_cast<size_t>(side.imageOf)].label());
+      if (side.isDoubtful()) task.sayOf(layer, messages::mirrorDoubt, side.against, side.compared);
+      if (!side.known) (side.inDoubt ? inDoubt : unknown).push_back(layer.label());
     }
     // Where none is mirrored those that are nearly their own mirror image need no look.
     if (mirrored > 0 && !unknown.empty())
       task.sayNaming(unknown, messages::sidesNotKnown, namesIn(unknown, unknown.size()));
+    else if (sides.noSide)
+      task.say(messages::noCommonSide, std::exp(*sides.noSide));
     else if (!unknown.empty())
       task.say(messages::noSideKnown, namesIn(unknown, unknown.size()));
-    if (2 * mirrored > sides.size())
+    if (2 * mirrored > sides.surfaces.size())
       task.sayOf(participants.layers[static_cast<size_t>(participants.root)],
                  messages::mirroredRoot);
     if (!inDoubt.empty())

@@ -42,7 +42,7 @@ std::vector<ClosedSurface> sides(const std::string& text) {
 
 std::string found(const std::string& text, const PropagationTree& tree) {
   std::string answer;
-  for (const SurfaceSide& side : findSides(sides(text), tree, pool))
+  for (const SurfaceSide& side : findSides(sides(text), tree, pool).surfaces)
     answer += side.mirrored ? 'm' : side.known ? '-' : '?';
   return answer;
 }
@@ -82,7 +82,7 @@ TEST(Mirroring, AMirroredLayerMayLieElsewhere) {
   for (const size_t i : {2, 3})
     surfaces[i] = surfaceOf(test::transformed({surfaces[i].vertices(), surfaces[i].faces()},
                                               test::randomRotation(i), 1, Vector3(300, -20, 40)));
-  const std::vector<SurfaceSide> found = findSides(surfaces, timeOrder(5, 0), pool);
+  const std::vector<SurfaceSide> found = findSides(surfaces, timeOrder(5, 0), pool).surfaces;
   for (size_t i = 0; i < 5; ++i) EXPECT_EQ(found[i].mirrored, i == 2) << i;
 }
 
@@ -95,7 +95,7 @@ TEST(Mirroring, WhatIsItsOwnMirrorImageIsNotKnown) {
     surfaces.push_back(surfaceOf(mesh));
   }
   for (const PropagationTree& tree : {timeOrder(5, 0), star(5, 2)}) {
-    const std::vector<SurfaceSide> sides = findSides(surfaces, tree, pool);
+    const std::vector<SurfaceSide> sides = findSides(surfaces, tree, pool).surfaces;
     for (size_t i = 0; i < 5; ++i) {
       EXPECT_FALSE(sides[i].mirrored || sides[i].inDoubt) << i;
       EXPECT_EQ(sides[i].known, static_cast<int>(i) == tree.root()) << i;
@@ -118,7 +118,7 @@ TEST(Mirroring, ReflectedAcrossThePlaneThroughTheCentroidOfTheArea) {
   }
   EXPECT_NEAR(*reflected.planes[1], moment / area, 1e-10);
   const ReflectedSequence looked = reflectMirrorImages(surfaces, {}, 0, pool, false);
-  EXPECT_TRUE(looked.sides[1].mirrored);
+  EXPECT_TRUE(looked.sides.surfaces[1].mirrored);
   EXPECT_FALSE(looked.planes[1]);
   EXPECT_EQ(looked.sequence.surface(1).vertices(), surfaces[1].vertices());
 }
@@ -126,15 +126,15 @@ TEST(Mirroring, ReflectedAcrossThePlaneThroughTheCentroidOfTheArea) {
 TEST(Mirroring, InAnotherUnitItIsFoundAsWell) {
   std::vector<ClosedSurface> surfaces = sides("rrlr");
   surfaces[2] = surfaces[2].withVertices(surfaces[2].vertices() / 10);
-  EXPECT_TRUE(reflectMirrorImages(surfaces, {}, 0, pool).sides[2].mirrored);
+  EXPECT_TRUE(reflectMirrorImages(surfaces, {}, 0, pool).sides.surfaces[2].mirrored);
 }
 
 /// A subject: an ellipsoid with bumps of its own at random places, and those of the hand where the
 /// shape is to have a side.
-ClosedSurface subject(int seed, double side, bool mirrored = false) {
+ClosedSurface subject(int seed, double side, bool mirrored = false, int frequency = 9) {
   test::Random random(static_cast<unsigned>(seed));
-  test::Mesh mesh =
-      test::transformed(test::icosphereMesh(9), test::randomRotation(seed), 1, Vector3::Zero());
+  test::Mesh mesh = test::transformed(test::icosphereMesh(frequency), test::randomRotation(seed), 1,
+                                      Vector3::Zero());
   Points own(4, 3);
   Eigen::Vector4d heights;
   for (int k = 0; k < 4; ++k) {
@@ -157,7 +157,7 @@ std::string foundOfSubjects(int firstSeed, double side, int mirrored, int count 
   std::vector<ClosedSurface> surfaces;
   for (int i = 0; i < count; ++i) surfaces.push_back(subject(firstSeed + i, side, i == mirrored));
   std::string answer;
-  for (const SurfaceSide& found : findSides(surfaces, star(count, 0), pool))
+  for (const SurfaceSide& found : findSides(surfaces, star(count, 0), pool).surfaces)
     answer += found.mirrored ? 'm' : found.inDoubt ? '!' : '-';
   return answer;
 }
@@ -174,6 +174,74 @@ TEST(Mirroring, OfSubjectsWithASideTheMirroredOneIsFound) {
     EXPECT_EQ(foundOfSubjects(seed, 1, -1), "--------") << seed;
     EXPECT_EQ(foundOfSubjects(seed, 1, 3), "---m----") << seed;
   }
+}
+
+/// 8 subjects of which number 5 is number 2 once more, mirrored, elsewhere and, where asked for, in
+/// another mesh.
+std::vector<ClosedSurface> withExactImage(bool anotherMesh = false) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < 8; ++i) surfaces.push_back(subject(500 + i, 0));
+  if (anotherMesh) surfaces[2] = subject(502, 0, false, 25);
+  const ClosedSurface image = subject(502, 0, true, anotherMesh ? 20 : 9);
+  surfaces[5] = surfaceOf(test::transformed({image.vertices(), image.faces()},
+                                            test::randomRotation(7), 1, Vector3(80, -9, 30)));
+  return surfaces;
+}
+
+TEST(Mirroring, AnExactImageIsNamedWhateverElseThereIs) {
+  for (const bool anotherMesh : {false, true}) {
+    const std::vector<ClosedSurface> surfaces = withExactImage(anotherMesh);
+    const SurfaceSides found = findSides(surfaces, star(8, 0), pool);
+    for (size_t i = 0; i < 8; ++i) {
+      EXPECT_EQ(found.surfaces[i].imageOf, i == 5 ? 2 : -1) << i;
+      EXPECT_FALSE(found.surfaces[i].mirrored) << i;  // which of the two it is nobody knows
+    }
+    const SurfaceSides ofRoot = findSides(surfaces, star(8, 2), pool);
+    for (size_t i = 0; i < 8; ++i) EXPECT_EQ(ofRoot.surfaces[i].mirrored, i == 5) << i;
+  }
+}
+
+TEST(Mirroring, OfTwoExactImagesTheRootTells) {
+  const std::vector<ClosedSurface> surfaces{subject(500, 0), mirrorImage(subject(500, 0), 7)};
+  const SurfaceSides found = findSides(surfaces, timeOrder(2, 0), pool);
+  EXPECT_TRUE(found.surfaces[1].mirrored);
+  EXPECT_EQ(found.surfaces[1].imageOf, 0);
+  EXPECT_FALSE(found.noSide);
+}
+
+TEST(Mirroring, ACopyOfTheSameSideIsNoImage) {
+  std::vector<ClosedSurface> surfaces = withExactImage();
+  surfaces[5] = mirrorImage(surfaces[5]);
+  for (const SurfaceSide& side : findSides(surfaces, star(8, 0), pool).surfaces)
+    EXPECT_EQ(side.imageOf, -1);
+}
+
+TEST(Mirroring, WithoutASideInCommonNobodyCanTell) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < 8; ++i) surfaces.push_back(subject(100 + i, 0));
+  const SurfaceSides without = findSides(surfaces, star(8, 0), pool);
+  ASSERT_TRUE(without.noSide);
+  EXPECT_LT(*without.noSide, 0.5);
+  for (size_t i = 1; i < 8; ++i) EXPECT_FALSE(without.surfaces[i].known) << i;
+  surfaces.clear();
+  for (int i = 0; i < 8; ++i) surfaces.push_back(subject(100 + i, 1, i == 3));
+  EXPECT_FALSE(findSides(surfaces, star(8, 0), pool).noSide);
+}
+
+/// Of 12 subjects: which are named, and which are doubtful.
+std::string doubtsOf(int firstSeed, double side, int mirrored) {
+  std::vector<ClosedSurface> surfaces;
+  for (int i = 0; i < 12; ++i) surfaces.push_back(subject(firstSeed + i, side, i == mirrored));
+  std::string answer;
+  for (const SurfaceSide& found : findSides(surfaces, star(12, 0), pool).surfaces)
+    answer += found.mirrored ? 'm' : found.isDoubtful() ? 'd' : '-';
+  return answer;
+}
+
+TEST(Mirroring, OfTwelveSubjectsWithAWeakSideTheOddOneIsDoubtful) {
+  EXPECT_EQ(doubtsOf(200, 0, -1), "------------");
+  EXPECT_EQ(doubtsOf(200, 0.4, -1), "------------");
+  EXPECT_EQ(doubtsOf(200, 0.4, 3), "---d--------");
 }
 
 /// Evidence of pairs, given below the diagonal.

@@ -23,9 +23,15 @@ constexpr int nearest = 6;  // the most alike that each surface is compared with
 // median this and the part of the surfaces that would be mirrored, within these bounds.
 constexpr double hasSide = 0.1, leastForSide = 0.2, mostForSide = 0.5;
 constexpr double tellsAgainst = 0.08, tellsAlone = 0.5;
-constexpr int enoughOfOne = 8;   // layers
-constexpr double slowly = 0.3;   // part of what layers in any order would do
-constexpr int exactLayers = 16;  // 2^15 choices of sides
+constexpr int oddOneOf = 12;                            // surfaces
+constexpr double oddAgainst = 0.75;                     // part of those compared
+constexpr double sameSize = 0.004, sameMoments = 0.03;  // of meshes that may be others
+constexpr size_t copiesLookedAt = 2;
+constexpr double exactly = 0.001;   // in R
+constexpr double unlikeItself = 4;  // times the noise of meshes
+constexpr int enoughOfOne = 8;      // layers
+constexpr double slowly = 0.3;      // part of what layers in any order would do
+constexpr int exactLayers = 16;     // 2^15 choices of sides
 
 /// How a surface comes to lie on the root: itself and its mirror image.
 struct Poses {
@@ -90,12 +96,13 @@ double evidenceOf(const Distances& distances, const PreparedSurface& from,
 /// What the sides are worth, and the best of them.
 class Sides {
  public:
-  Sides(const Eigen::MatrixXd& evidence, int fixed) : evidence_(evidence), fixed_(fixed) {}
+  Sides(const Eigen::MatrixXd& evidence, int fixed, double preference = usual)
+      : evidence_(evidence), fixed_(fixed), preference_(preference) {}
 
   using Choice = std::vector<int>;  // +1 or -1
 
   double gain(const Choice& sides, int i) const {  // of flipping i
-    double pull = usual;
+    double pull = preference_;
     for (int j = 0; j < size(); ++j)
       if (j != i) pull += evidence_(i, j) * sides[static_cast<size_t>(j)];
     return -2 * pull * sides[static_cast<size_t>(i)];
@@ -219,6 +226,7 @@ class Sides {
 
   const Eigen::MatrixXd& evidence_;
   int fixed_;
+  double preference_;
 };
 
 /// What mirroring does not change: size, roundness, and extents along the axes; #surfaces by 5.
@@ -324,6 +332,32 @@ class Comparisons {
 
   const Eigen::MatrixXd& evidence() const { return evidence_; }
 
+  /// Whether one is the other's mirror image, and not its copy.
+  bool areImages(int i, int j) const {
+    if (itself_(i, j) < unlikeItself * exactly) return false;
+    const PreparedSurface &from = sequence_[i], &to = sequence_[j];
+    const Distances found =
+        distancesOf(from, to, {roughIsometry(from, to, false), roughIsometry(from, to, true)},
+                    {{}, roughIsometry(to, to, true)});
+    return found.image < meshNoise && found.itself > unlikeItself * std::max(found.image, exactly);
+  }
+
+  /// Of margins: which of two exact images is the mirrored one, neither says of the other.
+  void leaveOut(int i, int j) {
+    itself_(i, j) = itself_(j, i) = image_(i, j) = image_(j, i) = HUGE_VAL;
+  }
+
+  /// To how many of those that surface i was compared with its image is nearer; and with how many.
+  std::pair<int, int> against(int i) const {
+    int nearer = 0, all = 0;
+    for (int j = 0; j < count_; ++j) {
+      if (!(itself_(i, j) < HUGE_VAL)) continue;
+      ++all;
+      if (image_(i, j) < itself_(i, j)) ++nearer;
+    }
+    return {nearer, all};
+  }
+
   /// Of each surface, on the side that was found for it: by how much its image lies farther off the
   /// nearest of the others than it does itself, as the logarithm of the ratio.
   std::vector<double> margins(const Sides::Choice& sides) const {
@@ -335,7 +369,9 @@ class Comparisons {
         itself = std::min(itself, (alike ? itself_ : image_)(i, j));
         image = std::min(image, (alike ? image_ : itself_)(i, j));
       }
-      margins.push_back(std::log(std::hypot(image, meshNoise) / std::hypot(itself, meshNoise)));
+      margins.push_back(itself < HUGE_VAL
+                            ? std::log(std::hypot(image, meshNoise) / std::hypot(itself, meshNoise))
+                            : 0);
     }
     return margins;
   }
@@ -350,22 +386,92 @@ class Comparisons {
 
 /// Of different subjects no pair's evidence is independent of the others': one whose own asymmetry
 /// is unlike that of several counts against each of them. Where the surfaces have no side in
-/// common, images lie as near to the nearest surface as surfaces do, and nothing is known.
-void doubtWithoutSide(Decision& decision, const std::vector<double>& margins, int root) {
+/// common, images lie as near to the nearest surface as surfaces do, and nothing is known: returns
+/// the median margin then.
+std::optional<double> doubtWithoutSide(Decision& decision, const std::vector<double>& margins,
+                                       int root) {
   const size_t count = margins.size();
   const auto reflected =
       static_cast<size_t>(std::count(decision.sides.begin(), decision.sides.end(), -1));
   const double share =
       static_cast<double>(std::min(reflected, count - reflected)) / static_cast<double>(count);
-  const bool sided = medianOf(margins) >= std::clamp(hasSide + share, leastForSide, mostForSide);
+  const double median = medianOf(margins);
+  const bool sided = median >= std::clamp(hasSide + share, leastForSide, mostForSide);
   bool unknown = false;
   for (size_t i = 0; i < count; ++i) {
     if (static_cast<int>(i) == root) continue;
-    if (decision.sides[i] < 0 && !(sided && margins[i] >= tellsAgainst)) decision.known[i] = 0;
+    if (!sided || (decision.sides[i] < 0 && margins[i] < tellsAgainst)) decision.known[i] = 0;
     if (sided && margins[i] >= tellsAlone) decision.known[i] = 1;
     unknown = unknown || (decision.sides[i] < 0 && !decision.known[i]);
   }
   decision.mixed = decision.mixed && sided && unknown;
+  if (sided) return std::nullopt;
+  return median;
+}
+
+/// The few that are on the other side than the rest.
+void findOddOnes(std::vector<SurfaceSide>& found, const Comparisons& compared, int root) {
+  const auto count = static_cast<std::ptrdiff_t>(found.size());
+  const Sides::Choice sides = Sides(compared.evidence(), root, 0).best().sides;
+  const std::ptrdiff_t others = std::count(sides.begin(), sides.end(), -1);
+  const int odd = 2 * others <= count ? -1 : 1;
+  if (oddOneOf * std::min(others, count - others) > count) return;
+  for (int i = 0; i < count; ++i) {
+    SurfaceSide& side = found[static_cast<size_t>(i)];
+    if (sides[static_cast<size_t>(i)] != odd || side.mirrored || side.inDoubt) continue;
+    const auto [nearer, all] = compared.against(i);
+    if (nearer < oddAgainst * all) continue;
+    side.against = nearer;
+    side.compared = all;
+  }
+}
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+/// Of surfaces that are there on both sides, the higher number first. Mirroring changes no moments,
+/// but those of samples, which depend on where the surface lies.
+Pairs findImages(const Comparisons& compared, const Eigen::MatrixXd& moments, ThreadPool& pool) {
+  const Eigen::MatrixXd differences = differencesOf(moments),
+                        ofSize = differencesOf(moments.leftCols(2));
+  Pairs pairs;
+  for (int i = 0; i < differences.rows(); ++i) {
+    std::vector<std::pair<double, int>> near;
+    for (int j = 0; j < i; ++j)
+      if (ofSize(i, j) <= sameSize && differences(i, j) <= sameMoments)
+        near.emplace_back(ofSize(i, j), j);
+    std::sort(near.begin(), near.end());
+    near.resize(std::min(near.size(), copiesLookedAt));
+    for (const auto& [difference, j] : near) pairs.emplace_back(i, j);
+  }
+  std::vector<char> images(pairs.size(), 0);
+  pool.forEach(static_cast<int>(pairs.size()), [&](int k) {
+    const auto [i, j] = pairs[static_cast<size_t>(k)];
+    images[static_cast<size_t>(k)] = compared.areImages(i, j);
+  });
+  Pairs found;
+  for (size_t k = 0; k < pairs.size(); ++k)
+    if (images[k]) found.push_back(pairs[k]);
+  return found;
+}
+
+/// margins: of the surfaces, where they were looked at. Which of two images is the mirrored one the
+/// root tells, or a margin that tells alone.
+void markImages(std::vector<SurfaceSide>& found, const Pairs& images, int root,
+                const std::vector<double>& margins = {}) {
+  for (const auto& [i, j] : images) {
+    SurfaceSide &one = found[static_cast<size_t>(i)], &other = found[static_cast<size_t>(j)];
+    one.imageOf = j;
+    if (i == root || j == root) {
+      SurfaceSide& image = i == root ? other : one;
+      image.mirrored = image.known = true;
+      image.inDoubt = false;
+      image.against = 0;
+    } else if (!margins.empty() && std::min(margins[static_cast<size_t>(i)],
+                                            margins[static_cast<size_t>(j)]) < tellsAlone) {
+      one.mirrored = other.mirrored = one.known = other.known = false;
+      one.inDoubt = other.inDoubt = false;
+    }
+  }
 }
 
 }  // namespace
@@ -382,10 +488,9 @@ std::vector<SurfaceSide> sidesFromEvidence(const Eigen::MatrixXd& evidence, int 
   return decisionFrom(evidence, fixed).result();
 }
 
-std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
-                                   ThreadPool& pool) {
+SurfaceSides findSides(const Sequence& sequence, const PropagationTree& tree, ThreadPool& pool) {
   const int count = sequence.size(), root = tree.root();
-  if (count < 2) return std::vector<SurfaceSide>(static_cast<size_t>(count));
+  if (count < 2) return {std::vector<SurfaceSide>(static_cast<size_t>(count)), {}};
   sequence.prepare(pool);
   const Eigen::MatrixXd moments = momentsOf(sequence), differences = differencesOf(moments);
   Comparisons compared(sequence, root, pool);
@@ -404,18 +509,26 @@ std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTr
     }
   };
   Decision decision;
+  bool allKnown = false;
   for (int round = 0;; ++round) {
     compared.compare(pairs);
     decision = decisionFrom(compared.evidence(), root);
     pairs.clear();
-    const bool allKnown = std::all_of(decision.known.begin(), decision.known.end(),
-                                      [](const char known) { return known != 0; });
+    allKnown = std::all_of(decision.known.begin(), decision.known.end(),
+                           [](const char known) { return known != 0; });
     if (round == rounds || allKnown) break;
     for (int i = 0; i < count; ++i)
       if (i == root || !decision.known[static_cast<size_t>(i)]) addPairs(i);
     if (pairs.empty()) break;
   }
-  if (!decision.suspects() || changesSlowly(moments)) return decision.result();
+  SurfaceSides found;
+  const bool looksCloser = decision.suspects() || (count >= oddOneOf && !allKnown);
+  if (!looksCloser || changesSlowly(moments)) {
+    found.surfaces = decision.result();
+    markImages(found.surfaces, findImages(compared, moments, pool), root);
+    return found;
+  }
+  const bool suspects = decision.suspects();
   for (int i = 0; i < count; ++i) {
     std::vector<int> others;
     for (int j = 0; j < count; ++j)
@@ -432,8 +545,15 @@ std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTr
     }
   }
   compared.compare(pairs);
-  doubtWithoutSide(decision, compared.margins(decision.sides), root);
-  return decision.result();
+  const Pairs images = findImages(compared, moments, pool);
+  for (const auto& [i, j] : images) compared.leaveOut(i, j);
+  const std::vector<double> margins = compared.margins(decision.sides);
+  if (suspects && static_cast<int>(images.size()) + 1 < count)
+    found.noSide = doubtWithoutSide(decision, margins, root);
+  found.surfaces = decision.result();
+  if (count >= oddOneOf) findOddOnes(found.surfaces, compared, root);
+  markImages(found.surfaces, images, root, margins);
+  return found;
 }
 
 ReflectedSequence reflectMirrorImages(const Sequence& sequence, const PropagationOrder& order,
@@ -447,7 +567,7 @@ ReflectedSequence reflectMirrorImages(const Sequence& sequence, const Propagatio
   bool found = false;
   for (int i = 0; i < sequence.size(); ++i) {
     const auto k = static_cast<size_t>(i);
-    if (!result.sides[k].mirrored) continue;
+    if (!result.sides.surfaces[k].mirrored) continue;
     found = true;
     const double plane = sequence[i].centre()[0];
     result.planes[k] = plane;

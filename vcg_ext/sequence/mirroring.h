@@ -25,6 +25,17 @@ struct SurfaceSide {
   bool known = false;     ///< whether it is certain, either way
   bool inDoubt = false;  ///< one of those that are certainly not all on one side, but which of them
                          ///< are mirrored is not known
+  int imageOf = -1;      ///< the surface whose mirror image it is exactly, and not its copy; the
+                         ///< higher number of the two has it
+  int against = 0;       ///< where it is doubtful: of so many compared surfaces the image is nearer
+  int compared = 0;
+  bool isDoubtful() const { return against > 0; }
+};
+
+struct SurfaceSides {
+  std::vector<SurfaceSide> surfaces;
+  std::optional<double> noSide;  ///< where they have no side in common, so that nobody could tell a
+                                 ///< mirror image: the median margin (below)
 };
 
 /// Which side each surface is on, for the sequence as a whole; the root tells which side is right.
@@ -47,12 +58,22 @@ struct SurfaceSide {
 /// most alike, and a surface's margin is ln(nearest image / nearest surface), everything on the
 /// side that was found for it: it is about 0 where the shape has no side. Some are mirrored only
 /// where the median margin is as large as 0.1 and the part of the surfaces on the side of the fewer
-/// (at least 0.2, at most 0.5 is asked for), and only those with a margin of 0.08 of their own; a
-/// margin of 0.5 tells by itself which side such a surface is on.
+/// (at least 0.2, at most 0.5 is asked for), and only those with a margin of 0.08 of their own; of
+/// surfaces with a margin of 0.5 the side is then known, also where the pairs left it open. With a
+/// smaller median nothing is known.
+///
+/// A doubt is left where at most one of twelve surfaces is on the other side than the rest in the
+/// best choice of sides without the preference, and nearer to the images of three of four that it
+/// was compared with. Had the surfaces no side in common, all choices would be as likely to be the
+/// best, and so few on one side would come about in one of 150 sets of twelve, in fewer of larger
+/// ones; of less than twelve it would be no evidence.
+///
+/// Two surfaces of which one is the mirror image of the other to 0.003 R, while they differ by more
+/// than four times that (and than 0.001 R) otherwise, are images of each other, whatever else there
+/// is.
 ///
 /// sequence: of one size (surface_sizes.h); tree: one entry per surface.
-std::vector<SurfaceSide> findSides(const Sequence& sequence, const PropagationTree& tree,
-                                   ThreadPool& pool);
+SurfaceSides findSides(const Sequence& sequence, const PropagationTree& tree, ThreadPool& pool);
 
 /// The sides that this evidence speaks for: #surfaces by #surfaces, symmetric, positive where two
 /// are alike. fixed: the surface that is on the right side.
@@ -62,7 +83,7 @@ struct ReflectedSequence {
   Sequence sequence;                          ///< with the mirrored surfaces reflected
   std::vector<std::optional<double>> planes;  ///< across which each was; nothing: it was not
   PropagationTree tree;                       ///< of the order, for the sequence as it is now
-  std::vector<SurfaceSide> sides;             ///< as they were found
+  SurfaceSides sides;                         ///< as they were found
 };
 
 /// Finds the sides of the surfaces (as large as the others: surface_sizes.h). Reflected are, where
