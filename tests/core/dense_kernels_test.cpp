@@ -31,6 +31,22 @@ TEST(DenseKernels, SumsOuterProducts) {
     }
 }
 
+TEST(DenseKernels, NumbersWhoseProductsAreDenormalAreZeros) {
+  RowsF rows = randomRows(70, 30, 1);
+  rows.col(3) *= 1e-25F;
+  rows(5, 7) = -1e-22F;
+  const Eigen::MatrixXf sum = sumOfOuterProducts(rows);
+  rows.col(3).setZero();
+  rows(5, 7) = 0;
+  EXPECT_EQ(sum, sumOfOuterProducts(rows));
+  EXPECT_EQ(sum(3, 3), 0);
+  RowsF small = RowsF::Zero(1, 2);
+  small << 2e-19F, 1e-3F;  // not tiny
+  EXPECT_GT(sumOfOuterProducts(small)(1, 0), 0);
+  rows(0, 0) = std::nanf("");
+  EXPECT_TRUE(std::isnan(sumOfOuterProducts(rows)(0, 0)));
+}
+
 Points unitVectors(Eigen::Index count, unsigned seed) {
   test::Random random(seed);
   Points points(count, 3);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "vcg_ext/propagation/motion/tiny_numbers.h"
+
 namespace sphere_propagation {
 namespace {
 
@@ -190,7 +192,7 @@ Eigen::MatrixXf sumOfOuterProducts(const RowsF& rows) {
   const Eigen::Index columns = rows.cols(), size = roundedUp(columns, tile),
                      stride = roundedUp(size, line / Eigen::Index{sizeof(float)});
   RowsF padded = RowsF::Zero(rows.rows(), stride), sum = RowsF::Zero(size, stride);
-  padded.leftCols(columns) = rows;
+  padded.leftCols(columns) = withoutTiny(rows);
   addProducts(padded.data(), padded.data(), static_cast<int>(rows.rows()), static_cast<int>(size),
               stride, sum.data());
   return Eigen::MatrixXf(sum.topLeftCorner(columns, columns)).selfadjointView<Eigen::Lower>();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "vcg_ext/base/linear_solvers.h"
+#include "vcg_ext/propagation/motion/tiny_numbers.h"
 
 namespace sphere_propagation {
 namespace {
@@ -73,7 +74,8 @@ Eigen::VectorXd inSingle(const Eigen::VectorXd& lengths, const Function& functio
 }  // namespace
 
 MotionBasis::MotionBasis(const Points& nodes, const Eigen::VectorXd& areas, double radius)
-    : local_(kernelFactor<decltype(local_)>(nodes, areas, radius)), single_(local_.cast<float>()) {
+    : local_(kernelFactor<decltype(local_)>(nodes, areas, radius)),
+      single_(withoutTiny(local_.cast<float>())) {
   const Eigen::RowVector3d centre = (areas.transpose() * nodes) / areas.sum();
   arms_ = (nodes.rowwise() - centre) / radius;
 }

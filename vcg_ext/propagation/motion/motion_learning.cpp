@@ -52,10 +52,10 @@ void solve(const ArcEquations& e, const Eigen::MatrixXd& precision, const Eigen:
                             c, solved);
 }
 
-MotionVariances learnVariances(const std::vector<ArcEquations>& equations) {
-  std::vector<AffineSystem> systems;
-  systems.reserve(equations.size());
-  for (const ArcEquations& e : equations) systems.push_back(withoutLocal(e, startVariances.local));
+MotionVariances learnVariances(const std::vector<ArcEquations>& equations, ThreadPool& pool) {
+  const std::vector<AffineSystem> systems = pool.makeEach(
+      static_cast<int>(equations.size()),
+      [&](int k) { return withoutLocal(equations[static_cast<size_t>(k)], startVariances.local); });
   MotionVariances variances = startVariances;
   for (int round = 0; round < varianceRounds; ++round) {
     const Eigen::VectorXd precision = variances.diagonal().tail(affine).cwiseInverse();
@@ -101,12 +101,13 @@ LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
     }
     if (!equations.empty()) break;
   }
-  learnt.variances = learnVariances(equations);
+  learnt.variances = learnVariances(equations, pool);
   const Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
   const double count = static_cast<double>(equations.size());
   Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(all, all), covariance = towards;
   for (const ArcEquations& e : equations) mean += e.matrix / count;
   std::vector<Eigen::VectorXd> expected(equations.size(), Eigen::VectorXd::Zero(all));
+  Eigen::MatrixXd found(all, static_cast<Eigen::Index>(equations.size()));
   for (int round = 0; round < covarianceRounds; ++round) {
     const Eigen::MatrixXd precision = inverseOf(covariance),
                           uncertainty = inverseOf(mean + precision);
@@ -114,8 +115,10 @@ LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
       const auto i = static_cast<size_t>(k);
       solve(equations[i], precision, uncertainty, expected[i]);
     });
+    for (size_t k = 0; k < expected.size(); ++k)
+      found.col(static_cast<Eigen::Index>(k)) = expected[k];
     covariance = priorArcs * towards + count * uncertainty;
-    for (const Eigen::VectorXd& c : expected) covariance.noalias() += c * c.transpose();
+    covariance.noalias() += found * found.transpose();
     covariance /= count + priorArcs;
     report(progress, 0.7 + 0.3 * (round + 1) / covarianceRounds);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_propagation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -157,10 +158,12 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     followed.layers[i] =
         FollowedLayer{std::move(*map), share + reading.seconds(), std::move(uncertainty)};
   };
-  size_t done = 0;
-  for (const std::vector<int>& level : tree.levels()) {
-    pool.forEach(static_cast<int>(level.size()), [&](int k) {
-      const int t = level[static_cast<size_t>(k)];
+  // No map needs another: many at a time, since a level of a tree in time has but two.
+  constexpr int atOnce = 16;
+  const int count = tree.size();
+  for (int begin = 0; begin < count; begin += atOnce) {
+    pool.forEach(std::min(atOnce, count - begin), [&](int k) {
+      const int t = begin + k;
       const auto i = static_cast<size_t>(t);
       if (t == tree.root()) return;
       read(t, motion[i]);
@@ -169,8 +172,7 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
         read(t, motion[i]);
       }
     });
-    done += level.size();
-    report(progress, 0.75 + 0.25 * static_cast<double>(done) / sequence.size());
+    report(progress, 0.75 + 0.25 * std::min(begin + atOnce, count) / count);
   }
   if (closes)
     for (const bool forwardBranch : {true, false})

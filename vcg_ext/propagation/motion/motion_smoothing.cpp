@@ -103,6 +103,15 @@ Eigen::MatrixXd precisionInTime(const std::vector<Arc>& arcs, const Eigen::Vecto
   return q;
 }
 
+/// Calls f(begin, count) for a few columns at a time, as many whatever the number of threads, so
+/// that products round alike.
+template <class Function>
+void byColumns(Eigen::Index columns, ThreadPool& pool, const Function& f) {
+  constexpr Eigen::Index atOnce = 8;
+  pool.forEach(static_cast<int>((columns + atOnce - 1) / atOnce),
+               [&](int k) { f(k * atOnce, std::min(atOnce, columns - k * atOnce)); });
+}
+
 /// (the mean of the surfaces' H + mu Sigma^-1)^-1 in the eigenvectors mu of time: what conjugate
 /// gradients are preconditioned with.
 class Preconditioner {
@@ -117,12 +126,14 @@ class Preconditioner {
     basis_ = factor.solveUpper(data.vectors);
   }
   /// times: what the data count now, over when it was made.
-  Eigen::MatrixXd applied(const Eigen::MatrixXd& x, double times) const {
-    const Eigen::MatrixXd along = x * time_.vectors;
-    Eigen::MatrixXd inner = basis_.transpose() * along;
-    for (Eigen::Index t = 0; t < inner.cols(); ++t)
-      inner.col(t).array() /= times * data_.array() + time_.values[t];
-    inner = basis_ * inner;
+  Eigen::MatrixXd applied(const Eigen::MatrixXd& x, double times, ThreadPool& pool) const {
+    Eigen::MatrixXd inner = x * time_.vectors;
+    byColumns(inner.cols(), pool, [&](Eigen::Index begin, Eigen::Index count) {
+      Eigen::MatrixXd some = basis_.transpose() * inner.middleCols(begin, count);
+      for (Eigen::Index t = 0; t < count; ++t)
+        some.col(t).array() /= times * data_.array() + time_.values[begin + t];
+      inner.middleCols(begin, count).noalias() = basis_ * some;
+    });
     return inner * time_.vectors.transpose();
   }
 
@@ -241,7 +252,7 @@ class SmoothingSystem {
   /// x: a change that is near.
   Solution solve(const Preconditioner& preconditioner, Eigen::MatrixXd x) const {
     const auto like = [&](const Eigen::MatrixXd& y) {
-      return preconditioner.applied(y, firstNoise / noises_.white);
+      return preconditioner.applied(y, firstNoise / noises_.white, problem_.pool);
     };
     solveByConjugateGradients([&](const Eigen::MatrixXd& y) { return times(y); }, like, right_, x,
                               smoothedEnough);
@@ -278,8 +289,12 @@ class SmoothingSystem {
  private:
   /// What the prior and the arcs say of x.
   Eigen::MatrixXd boundBy(const Eigen::MatrixXd& x) const {
-    const Eigen::MatrixXd inTime = x * problem_.inTime;
-    return problem_.prior.precision * inTime;
+    Eigen::MatrixXd bound = x * problem_.inTime;
+    byColumns(bound.cols(), problem_.pool, [&](Eigen::Index begin, Eigen::Index count) {
+      const Eigen::MatrixXd some = problem_.prior.precision * bound.middleCols(begin, count);
+      bound.middleCols(begin, count) = some;
+    });
+    return bound;
   }
 
   const SmoothingProblem& problem_;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "vcg_ext/propagation/motion/tiny_numbers.h"
+
 namespace sphere_propagation {
 namespace {
 
@@ -30,7 +32,7 @@ Eigen::MatrixXd surfaceErrorFactor(const Points& points, const Points& normals, 
     const Eigen::ArrayXf apart = (places.rowwise() - places.row(pivot)).rowwise().squaredNorm();
     Eigen::VectorXf column = there * (-0.5F * apart).exp();
     column.noalias() -= factor.leftCols(columns) * factor.row(pivot).head(columns).transpose();
-    factor.col(columns) = column / std::sqrt(largest);
+    factor.col(columns) = withoutTiny(column / std::sqrt(largest));
     rest = (rest - factor.col(columns).array().square()).max(0.0F);
   }
   return factor.leftCols(columns).cast<double>();
