@@ -211,15 +211,19 @@ void run(const Options& options) {
     });
   });
 
-  long flips = 0;
+  long flips = 0, stoodIn = 0, repaired = 0;
   double residual = 0;
   for (size_t i = 0; i < surfaces.size(); ++i) {
     flips += certify(surfaces[i].faces(), made.layers[i].map().positions()).flippedFaces;
+    stoodIn += made.layers[i].route != Route::Method;
+    repaired += made.layers[i].transferred.repairedFaces;
     residual += made.layers[i].transferred.residual.mean / static_cast<double>(surfaces.size() - 1);
   }
-  std::printf("layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld residual=%.4f u=%.5f",
-              surfaces.size(), root.vertexCount(), vertices / static_cast<double>(surfaces.size()),
-              flips, residual, unitSeconds(root.vertices(), root.faces()));
+  std::printf(
+      "layers=%zu root_vertices=%d mean_vertices=%.0f flips=%ld stood_in=%ld repaired=%ld "
+      "residual=%.4f u=%.5f",
+      surfaces.size(), root.vertexCount(), vertices / static_cast<double>(surfaces.size()), flips,
+      stoodIn, repaired, residual, unitSeconds(root.vertices(), root.faces()));
   const std::map<std::string, Cost> costs = {{"distances", ofDistances},
                                              {"propagation", ofPropagation},
                                              {"remeshing", ofRemeshing},

@@ -4,7 +4,7 @@
 Table 1 run again.
 
     propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM]
-                   [--only PART ...]
+                   [--curve FILE] [--only PART ...]
 
     EXE     propagation_benchmark, which scripts/measure-propagation builds
             (default: build/pymeshlab/benchmarks/propagation_benchmark)
@@ -13,6 +13,7 @@ Table 1 run again.
     seeds   how many phantoms of each kind are averaged (default 1)
     peer    a program called as PROGRAM ROOT_MAP.ply LAYER.ply ... -o FOLDER, which writes
             landmarks_TT.ply; run in the first table
+    curve   PNG file, what the part uncertainty draws: shares promised and found
     PART    of: sequences, paper, disturbed, orders (shuffled phases and a star, the motion's prior
             learnt or fixed), other (phantoms of another make and other organs: made_motions.py;
             data/classic, data/finch_skulls), uncertainty (is it right?)
@@ -20,8 +21,9 @@ Table 1 run again.
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
 cyclic order. Beside the methods stands what no model is needed for, the closest-point walk: from
 phase to phase, both ways from the root, each landmark goes to the closest point of the next
-surface. CPU: seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's
-Laplacian. The least of three runs, of a peer one.
+surface; and MeshMonk, where Python has it (pip install meshmonk), with its default settings. CPU:
+seconds of all threads; u: CPU seconds of one Eigen SimplicialLDLT of the root's Laplacian. The
+least of three runs, of other programs one.
 """
 
 import argparse
@@ -31,17 +33,34 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import made_motions
 import numpy as np
 from setting import DATA, PROJECT, yardstick
 
+try:
+    import meshmonk
+except ImportError:
+    meshmonk = None
+
 LANDMARKS = 1002
 # Table 1 of the paper: phases, vertices of the root and on average, seconds for the root and for
 # the propagation (one core, 2.4 GHz).
 PAPER = ((25, 4351, 3033, 54, 9), (20, 5721, 4035, 68, 10))
 METHODS = {"published": "As published", "robust": "Robust"}
+# That the factors of the uncertainty were chosen on (docs/propagation_robust.md).
+CHOSEN_ON = {
+    "real patient",
+    "phantom, cavity 0",
+    "phantom, wall 0",
+    "other kind, cavity 0",
+    "other kind, wall 0",
+    "warped ventricle 1",
+    "warped hippocampus 1",
+}
+MESHMONK_WAYS = {"from phase to phase": True, "from the root": False}  # is it by phases?
 
 
 def run(
@@ -109,17 +128,56 @@ def run_peer(peer, root_map, files, measure):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, landmarks
 
 
+def both_ways(count):
+    """Each layer but the root, 0, with the one before it on the way from there, which comes
+    first."""
+    forward, back = range(1, count // 2 + 1), range(count - 1, count // 2, -1)
+    return [(t, t - 1) for t in forward] + [(t, (t + 1) % count) for t in back]
+
+
 def closest_point_walk(measure, files, first):
     """Landmarks, layer by layer. first: those on the root, layer 0."""
-    count = len(files)
-    landmarks = [first] * count
-    forward, back = range(1, count // 2 + 1), range(count - 1, count // 2, -1)
-    for t, before in [(t, t - 1) for t in forward] + [(t, (t + 1) % count) for t in back]:
+    landmarks = [first] * len(files)
+    for t, before in both_ways(len(files)):
         vertex, f = measure.read_ply(files[t])
         v = measure.points(vertex)
         face, weights, _ = measure.closest_points(v, f, landmarks[before])
         landmarks[t] = np.einsum("pk,pkj->pj", weights, v[f[face]])
     return landmarks
+
+
+def meshmonk_landmarks(measure, files, first, by_phases):
+    """CPU seconds, and landmarks, layer by layer, by MeshMonk's non-rigid registration as it comes:
+    the root's mesh is registered to each phase from where it lies on the one before (by_phases) or
+    from where it lies, and takes the landmarks along."""
+    start = time.process_time()
+    surfaces = [(measure.points(v), f.astype(np.int32)) for v, f in map(measure.read_ply, files)]
+    v, faces = surfaces[0]
+    face, weights, _ = measure.closest_points(v, faces, first)
+    shapes, landmarks = [v] * len(files), [first] * len(files)
+    for t, before in both_ways(len(files)):
+        floating, target = (shapes[before] if by_phases else v), surfaces[t]
+        found = meshmonk.pyramid_register(
+            floating_features=meshmonk.features_from_vertices(floating, faces),
+            floating_faces=faces,
+            floating_flags=np.ones(len(floating), np.float32),
+            target_features=meshmonk.features_from_vertices(*target),
+            target_faces=target[1],
+            target_flags=np.ones(len(target[0]), np.float32),
+        )
+        shapes[t] = found.aligned_features[:, :3].astype(float)
+        landmarks[t] = np.einsum("pk,pkj->pj", weights, shapes[t][faces[face]])
+    return time.process_time() - start, landmarks
+
+
+def meshmonks(measure, files, first):
+    """Label -> CPU seconds and landmarks, where it is installed."""
+    if meshmonk is None:
+        return {}
+    return {
+        f"MeshMonk {meshmonk.__version__}, {way}": meshmonk_landmarks(measure, files, first, by)
+        for way, by in MESHMONK_WAYS.items()
+    }
 
 
 def table(heads):
@@ -254,6 +312,8 @@ def sequences(options, measure, phantom, folder):
         if errors:
             walk = closest_point_walk(measure, files, landmarks[0])
             others["closest-point walk"] = "", walk
+            for label, (seconds, found) in meshmonks(measure, files, landmarks[0]).items():
+                others[label] = f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", found
         if options.peer:
             seconds, landmarks = run_peer(options.peer, root_map, files, measure)
             others["peer"] = f"{seconds:.2f} s = {seconds / figures['u']:.0f} u", landmarks
@@ -397,14 +457,16 @@ def uncertainty(options, measure, phantom, folder):
         )
     ]
     for part in ("cavity", "wall"):
-        for seed in (0, 3, 7):
+        for seed, noise in ((0, 0), (3, 0), (7, 0), (0, 0.5)):
             ventricle = phantom.Ventricle(part, seed)
-            place = folder / f"uncertain_{part}{seed}"
+            place = folder / f"uncertain_{part}{seed}_{noise}"
             place.mkdir()
-            files = write_phases(phantom, ventricle, ventricle.phases, place)
+            files = write_phases(
+                phantom, ventricle, ventricle.phases, place, noise * ventricle.voxel
+            )
             data.append(
                 (
-                    f"phantom, {part} {seed}",
+                    f"phantom, {part} {seed}" + (", noise" if noise else ""),
                     files,
                     lambda landmarks, v=ventricle: phantom_distances(measure, v, landmarks),
                 )
@@ -434,21 +496,50 @@ def uncertainty(options, measure, phantom, folder):
                 ),
             )
         )
+    ratios = {}
     for name, files, distances in data:
         plain = run(options, files, repeat=1)[0]
         figures, landmarks = run(options, files, repeat=1, with_uncertainty=True)
         counted, away = distances(landmarks)
         away = np.array(away)[1:, counted]
         known = figures["uncertainty"][1:, counted]
+        ratios[name] = (away / known).ravel()
         row(
             [
                 name,
                 f"{away.mean():.2f}",
                 f"{known.mean():.2f}",
-                f"{(away < np.sqrt(-2 * np.log(0.05)) * known).mean():.3f}",
+                f"{(ratios[name] < np.sqrt(-2 * np.log(0.05))).mean():.3f}",
                 f"{figures['propagation_cpu']:.2f}, {plain['propagation_cpu']:.2f} s",
             ]
         )
+    if options.curve:
+        draw_shares(ratios, options.curve)
+
+
+def draw_shares(ratios, file):
+    """The share of landmarks within circles over the share that they promise, a line a sequence."""
+    from matplotlib.figure import Figure
+
+    promised = np.linspace(0.01, 0.99, 99)
+    bounds = np.sqrt(-2 * np.log(1 - promised))
+    panels = {
+        "chosen on": [name for name in ratios if name in CHOSEN_ON],
+        "not chosen on": [name for name in ratios if name not in CHOSEN_ON],
+    }
+    figure = Figure(figsize=(11, 5), dpi=100)
+    for ax, (title, names) in zip(figure.subplots(1, len(panels), sharey=True), panels.items()):
+        ax.plot([0, 1], [0, 1], color="0.8", lw=1)
+        for k, name in enumerate(names):
+            inside = (ratios[name][:, None] < bounds).mean(0)
+            ax.plot(promised, inside, color=f"C{k}", lw=1.6, label=name)
+        ax.set_title(title, fontsize=11, color="0.4")
+        ax.set_xlabel("share promised", color="0.4")
+        ax.set(xlim=(0, 1), ylim=(0, 1), aspect="equal")
+        ax.legend(frameon=False, loc="lower right", fontsize=8)
+    figure.axes[0].set_ylabel("share of landmarks inside", color="0.4")
+    figure.tight_layout()
+    figure.savefig(file)
 
 
 def write_motion(phantom, motion, place):
@@ -530,6 +621,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--peer")
+    parser.add_argument("--curve")
     parts = {
         "sequences": sequences,
         "paper": paper,

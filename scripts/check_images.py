@@ -46,6 +46,8 @@ def sources(picture: str):
         return ("scripts/draw-anchors", *MAPS)
     if picture == "calibration":
         return ("benchmarks/fitting.py",)
+    if picture == "uncertainty":
+        return ("benchmarks/propagation.py", "benchmarks/made_motions.py")
     if picture == "explore":
         return ("scripts/draw-explorer", *EXPLORER)
     if picture in ("modes", "model"):
