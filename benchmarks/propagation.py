@@ -4,7 +4,7 @@
 Table 1 run again.
 
     propagation.py [--program EXE] [--data DATA] [--seeds N] [--threads N] [--peer PROGRAM]
-                   [--curve FILE] [--only PART ...]
+                   [--curve FILE] [--state N] [--only PART ...]
 
     EXE     propagation_benchmark, which scripts/measure-propagation builds
             (default: build/pymeshlab/benchmarks/propagation_benchmark)
@@ -16,7 +16,9 @@ Table 1 run again.
     curve   PNG file, what the part uncertainty draws: shares promised and found
     PART    of: sequences, paper, disturbed, orders (shuffled phases and a star, the motion's prior
             learnt or fixed), other (phantoms of another make and other organs: made_motions.py;
-            data/classic, data/finch_skulls), uncertainty (is it right?)
+            data/classic, data/finch_skulls), made (each of these by itself, a row a seed, meshed by
+            the random numbers of --state N, default 5; not run unless named), uncertainty (is it
+            right?)
 
 Errors: distance of landmarks from the same material points, mm, worst / mean over phases; root 0,
 cyclic order. Beside the methods stands what no model is needed for, the closest-point walk: from
@@ -59,6 +61,11 @@ CHOSEN_ON = {
     "other kind, wall 0",
     "warped ventricle 1",
     "warped hippocampus 1",
+}
+WARPED = {
+    "ventricle": "heart_cine/endo_00.ply",
+    "hippocampus": "classic/hippocampus.ply",
+    "skull": "finch_skulls/G.ConirostrisE.ply",
 }
 MESHMONK_WAYS = {"from phase to phase": True, "from the root": False}  # is it by phases?
 
@@ -476,14 +483,10 @@ def uncertainty(options, measure, phantom, folder):
         for part in ("cavity", "wall")
         for seed in (0, 1)
     }
-    for name, file, seeds in (
-        ("ventricle", "heart_cine/endo_00.ply", (1, 3)),
-        ("hippocampus", "classic/hippocampus.ply", (1, 2)),
-        ("skull", "finch_skulls/G.ConirostrisE.ply", (1,)),
-    ):
+    for name, seeds in (("ventricle", (1, 3)), ("hippocampus", (1, 2)), ("skull", (1,))):
         for seed in seeds:
             made[f"warped {name} {seed}"] = made_motions.WarpedSurface(
-                surface_of(options, measure, file), seed
+                surface_of(options, measure, WARPED[name]), seed
             )
     for name, motion in made.items():
         place = folder / f"uncertain_{name}".replace(" ", "_")
@@ -542,36 +545,51 @@ def draw_shares(ratios, file):
     figure.savefig(file)
 
 
-def write_motion(phantom, motion, place):
+def write_motion(phantom, motion, place, state=5):
     """The phases of one of made_motions, meshed anew."""
     place.mkdir()
-    random = np.random.RandomState(5)
+    random = np.random.RandomState(state)
     files = [str(place / f"{t:02d}.ply") for t in range(motion.phases)]
     for t, file in enumerate(files):
         phantom.write_ply(file, *made_motions.meshed(motion, t, 3500, random))
     return files
 
 
-def other(options, measure, phantom, folder):
-    def surface(file):
-        return surface_of(options, measure, file)
+def made(options, measure, phantom, folder):
+    """Does every layer get a map from the motion's fit, and is the fit of all phases better?"""
+    table(["moves", "flipped faces", "layers lost", "arc by arc", "all at once"])
+    for seed in range(options.seeds):
+        motions = {part: made_motions.Ventricle(part, seed) for part in ("cavity", "wall")}
+        for name, file in WARPED.items():
+            motions[f"warped {name}"] = made_motions.WarpedSurface(
+                surface_of(options, measure, file), seed
+            )
+        for name, motion in motions.items():
+            place = folder / f"made {name} {seed}".replace(" ", "_")
+            files = write_motion(phantom, motion, place, options.state)
+            runs = [
+                run(options, files, repeat=1, may_fail=True, more=more)
+                for more in (("--arcs-alone",), ())
+            ]
+            cells = ["refused"] * 2
+            if runs[-1]:
+                cells = [f"{runs[-1][0][figure]:.0f}" for figure in ("flips", "stood_in")]
+            for there in runs:
+                errors = there and [made_motions.errors(motion, there[1], measure.closest_points)]
+                cells.append(error_text(errors or []))
+            row([f"{name}, seed {seed}", *cells])
 
+
+def other(options, measure, phantom, folder):
     groups = {
         f"ventricle of another make, {part}": [
             made_motions.Ventricle(part, seed) for seed in range(4)
         ]
         for part in ("cavity", "wall")
     }
-    groups["warped ventricle"] = [
-        made_motions.WarpedSurface(surface("heart_cine/endo_00.ply"), seed) for seed in (1, 3)
-    ]
-    groups["warped hippocampus"] = [
-        made_motions.WarpedSurface(surface("classic/hippocampus.ply"), seed) for seed in (1, 2)
-    ]
-    groups["warped skull"] = [
-        made_motions.WarpedSurface(surface("finch_skulls/G.ConirostrisE.ply"), seed)
-        for seed in (1, 2)
-    ]
+    for name, seeds in (("ventricle", (1, 3)), ("hippocampus", (1, 2)), ("skull", (1, 2))):
+        start = surface_of(options, measure, WARPED[name])
+        groups[f"warped {name}"] = [made_motions.WarpedSurface(start, seed) for seed in seeds]
     columns = {**METHODS, "walk": "closest-point walk"}
     if options.peer:
         columns["peer"] = "peer"
@@ -622,15 +640,22 @@ def main():
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--peer")
     parser.add_argument("--curve")
+    parser.add_argument("--state", type=int, default=5)
     parts = {
         "sequences": sequences,
         "paper": paper,
         "disturbed": disturbed,
         "orders": orders,
         "other": other,
+        "made": made,
         "uncertainty": uncertainty,
     }
-    parser.add_argument("--only", nargs="+", choices=sorted(parts), default=list(parts))
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        choices=sorted(parts),
+        default=[part for part in parts if part != "made"],
+    )
     options = parser.parse_args()
     measure, phantom = yardstick(options.data)
     with tempfile.TemporaryDirectory() as folder:
