@@ -527,6 +527,7 @@ class ImportFilter : public host::Filter {
     VolumeSurface slices;
     slices.lostSlices = surface.lostSlices;
     slices.unevenSlices = surface.unevenSlices;
+    slices.farEnds = surface.farEnds;
     slices.sliceSequence = surface.sliceSequence;
     return slices;
   }
@@ -556,6 +557,8 @@ class ImportFilter : public host::Filter {
     if (!uneven.empty())
       remarks.add(name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
                   shiftsText(uneven));
+    if (!surface.farEnds.empty())
+      remarks.add(name, volume_messages::farEnds, shiftsText(surface.farEnds));
   }
 
   /// "slice 6 in heart label 1 phases 0, 3; slice 8 in heart label 1 phase 1", and phases that do

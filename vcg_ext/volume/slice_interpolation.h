@@ -60,6 +60,10 @@ struct InterpolatedLabels {
   double labelVolume = 0;                 ///< of the voxels with these labels, mm^3
   int interpolatedSlices = 0;             ///< empty ones between others
   std::vector<UnevenSlice> unevenSlices;  ///< looked for between slices, and where they are aligned
+  std::vector<UnevenSlice> farEnds;  ///< the first and the last slice where they lie far off the
+                                     ///< line through the two next to them, by so much (over 12 mm
+                                     ///< and half a radius), and by over three tenths beside the
+                                     ///< next one: shifted, or the organ bends; they stay
   LabelStack stack;
   bool betweenSlices =
       false;  ///< whether the slices lie so far apart that shape-based interpolation was called for

@@ -151,6 +151,7 @@ WorkingVolume workingVolumeOf(InterpolatedLabels field, const VolumeSurfaceParam
   result.workingVoxels = std::count(mask.values.begin(), mask.values.end(), std::uint8_t{1});
   if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(result.voxelSize));
   result.unevenSlices = volume.field.unevenSlices;
+  result.farEnds = volume.field.farEnds;
   result.slices = labelledSlices(volume.field.stack);
   if (parameters.keepLargestComponent) {
     result.dropped = keepLargestPart(mask);
