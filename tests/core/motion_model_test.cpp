@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "tests/core/test_meshes.h"
 
@@ -124,6 +125,22 @@ Eigen::MatrixXd localColumns(const MotionModel& model) {
 
 double radiusOf(const MotionModel& model) {
   return std::sqrt(model.areas().sum() / (4 * 3.14159265358979323846));
+}
+
+TEST(MotionModel, TwistsTurnOneEndAgainstTheOther) {
+  const Ellipsoid e;
+  const MotionModel model(e.map);
+  const Eigen::MatrixXd twists = model.basis().twists();
+  ASSERT_EQ(twists.cols(), 5);
+  // S = diag(2, -1, -1) / sqrt(6) of the diagonal ones: about the long axis.
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(MotionBasis::columns);
+  c.head(twists.rows()) = std::sqrt(0.75) * twists.col(0) + 0.5 * twists.col(1);
+  const Points moved = model.movedNodes(c) - model.nodes(), &x = model.nodes();
+  Points expected(x.rows(), 3);
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    expected.row(i) = x(i, 0) * Eigen::RowVector3d(0, x(i, 2), -x(i, 1));
+  const double cosine = moved.cwiseProduct(expected).sum() / (moved.norm() * expected.norm());
+  EXPECT_GT(cosine, 0.99);
 }
 
 TEST(MotionModel, LocalColumnsFactorTheKernel) {

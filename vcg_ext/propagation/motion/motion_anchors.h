@@ -75,6 +75,7 @@ class MotionAnchors {
                 const MappedSurface& map, const AnchorPlaces& places,
                 const std::vector<double>& deviations);
 
+  bool empty() const { return layers_.empty(); }
   /// Nothing where the surface has none, and for the root.
   const LayerAnchors* of(size_t layer) const {
     return layer < layers_.size() && layers_[layer] ? &*layers_[layer] : nullptr;

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/motion/motion_basis.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "vcg_ext/base/dense_cholesky.h"
 #include "vcg_ext/base/linear_solvers.h"
 #include "vcg_ext/propagation/motion/tiny_numbers.h"
 
@@ -118,6 +122,27 @@ Points MotionBasis::withAffine(const Eigen::VectorXd& local, const Eigen::Vector
   moved += arms_ * linear.transpose();
   moved.rowwise() += Eigen::RowVector3d(a[0], a[1], a[2]);
   return moved;
+}
+
+Eigen::MatrixXd MotionBasis::twists() const {
+  constexpr int count = 5;
+  std::array<Eigen::Matrix3d, count> symmetric;
+  symmetric[0] = (half * Vector3(1, -1, 0)).asDiagonal();
+  symmetric[1] = (Vector3(1, 1, -2) / std::sqrt(6.0)).asDiagonal();
+  for (size_t k = 2; k < count; ++k) {
+    const auto a = static_cast<Eigen::Index>(k - 2), b = (a + 1) % 3;
+    symmetric[k].setZero();
+    symmetric[k](a, b) = symmetric[k](b, a) = half;
+  }
+  Eigen::MatrixXd fields(local_.rows(), count);
+  for (Eigen::Index i = 0; i < arms_.rows(); ++i) {
+    const Vector3 y = arms_.row(i).transpose();
+    for (size_t k = 0; k < count; ++k)
+      fields.block<3, 1>(3 * i, static_cast<Eigen::Index>(k)) = y.cross(symmetric[k] * y);
+  }
+  Eigen::MatrixXd system = local_.transpose() * local_;
+  system.diagonal().array() += 1e-4 * system.trace() / localColumns;
+  return DenseCholesky(std::move(system)).solve(Eigen::MatrixXd(local_.transpose() * fields));
 }
 
 Eigen::VectorXd MotionBasis::projectAll(const Points& forces) const {

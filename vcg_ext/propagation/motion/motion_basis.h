@@ -33,6 +33,11 @@ class MotionBasis {
   /// The sum of B_i^T f_i. forces: f, #N by 3. Length `columns`.
   Eigen::VectorXd projectAll(const Points& forces) const;
 
+  /// Fields y x S y of the arms y, S symmetric without trace: one end turns against the other. A
+  /// round surface shows them as little as it shows a rotation. Local coefficients, a column for
+  /// each of five orthonormal S.
+  Eigen::MatrixXd twists() const;
+
   /// As above, the local columns in single precision: 1e-7 of the largest entry, which the noise of
   /// any data exceeds by far.
   Points roughDisplacements(const Eigen::VectorXd& c) const;

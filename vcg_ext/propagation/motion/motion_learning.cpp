@@ -23,24 +23,35 @@ constexpr double wideNoise = 6, temperedNoise = 12, learntNoise = 2.5;
 constexpr double varianceFloor = 0.015;
 constexpr int varianceRounds = 100, covarianceRounds = 12;
 constexpr ConjugateGradientParameters solved{1e-6, all};
-constexpr double strainShare = 0.1;  // the evidence over-estimates strain
-constexpr double priorArcs = 16;     // what the diagonal covariance counts against the arcs
+constexpr double overEstimated = 0.1;  // share that is kept: the evidence over-estimates strain,
+                                       // and twists likewise
+constexpr double priorArcs = 16;       // what the diagonal covariance counts against the arcs
 
-/// (A + D^-1)^-1 a, the affine system of an arc with the local coefficients integrated out.
-struct AffineSystem {
-  Eigen::Matrix<double, affine, affine> matrix;
-  Eigen::Matrix<double, affine, 1> vector;
+/// (A + D^-1)^-1 a, the system of an arc with the local coefficients integrated out: affine ones
+/// first, then twists.
+struct GlobalSystem {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd vector;
 };
 
-AffineSystem withoutLocal(const ArcEquations& e, double localVariance) {
+/// twists: local coefficients of fields that come beside the affine ones, one a column.
+GlobalSystem withoutLocal(const ArcEquations& e, double localVariance,
+                          const Eigen::MatrixXd& twists) {
+  const Eigen::Index count = affine + twists.cols();
   Eigen::MatrixXd inner = e.matrix.topLeftCorner(local, local);
+  Eigen::MatrixXd right(local, count + 1);
+  right << e.matrix.topRightCorner(local, affine), inner * twists, e.vector.head(local);
   inner.diagonal().array() += 1 / localVariance;
-  Eigen::MatrixXd right(local, affine + 1);
-  right << e.matrix.topRightCorner(local, affine), e.vector.head(local);
+  Eigen::MatrixXd mixed(count, local), matrix(count, count);
+  mixed << e.matrix.bottomLeftCorner(affine, local),
+      right.middleCols(affine, twists.cols()).transpose();
+  matrix << e.matrix.bottomRightCorner(affine, affine), mixed.topRows(affine) * twists,
+      twists.transpose() * right.leftCols(affine),
+      twists.transpose() * right.middleCols(affine, twists.cols());
+  Eigen::VectorXd vector(count);
+  vector << e.vector.tail(affine), twists.transpose() * e.vector.head(local);
   const Eigen::MatrixXd solved = DenseCholesky(std::move(inner)).solve(std::move(right));
-  const Eigen::MatrixXd mixed = e.matrix.bottomLeftCorner(affine, local);
-  return {e.matrix.bottomRightCorner(affine, affine) - mixed * solved.leftCols(affine),
-          e.vector.tail(affine) - mixed * solved.col(affine)};
+  return {matrix - mixed * solved.leftCols(count), vector - mixed * solved.col(count)};
 }
 
 /// Solves (H + precision) c = h, from the c that is given. inverse: that of a similar matrix.
@@ -52,18 +63,30 @@ void solve(const ArcEquations& e, const Eigen::MatrixXd& precision, const Eigen:
                             c, solved);
 }
 
-MotionVariances learnVariances(const std::vector<ArcEquations>& equations, ThreadPool& pool) {
-  const std::vector<AffineSystem> systems = pool.makeEach(
-      static_cast<int>(equations.size()),
-      [&](int k) { return withoutLocal(equations[static_cast<size_t>(k)], startVariances.local); });
-  MotionVariances variances = startVariances;
+/// Those of the blocks, and one of all twists.
+struct GlobalVariances {
+  MotionVariances blocks = startVariances;
+  double twist = startVariances.rotation;
+};
+
+GlobalVariances learnVariances(const std::vector<ArcEquations>& equations,
+                               const Eigen::MatrixXd& twists, ThreadPool& pool) {
+  const Eigen::Index twisting = twists.cols();
+  const std::vector<GlobalSystem> systems =
+      pool.makeEach(static_cast<int>(equations.size()), [&](int k) {
+        return withoutLocal(equations[static_cast<size_t>(k)], startVariances.local, twists);
+      });
+  GlobalVariances learnt;
+  MotionVariances& variances = learnt.blocks;
   for (int round = 0; round < varianceRounds; ++round) {
-    const Eigen::VectorXd precision = variances.diagonal().tail(affine).cwiseInverse();
-    Eigen::VectorXd second = Eigen::VectorXd::Zero(affine);
-    for (const AffineSystem& system : systems) {
-      Eigen::Matrix<double, affine, affine> matrix = system.matrix;
+    Eigen::VectorXd precision(affine + twisting);
+    precision << variances.diagonal().tail(affine).cwiseInverse(),
+        Eigen::VectorXd::Constant(twisting, 1 / learnt.twist);
+    Eigen::VectorXd second = Eigen::VectorXd::Zero(precision.size());
+    for (const GlobalSystem& system : systems) {
+      Eigen::MatrixXd matrix = system.matrix;
       matrix.diagonal() += precision;
-      const Eigen::Matrix<double, affine, affine> covariance = matrix.inverse();
+      const Eigen::MatrixXd covariance = matrix.inverse();
       second += (covariance * system.vector).cwiseAbs2() + covariance.diagonal();
     }
     second /= static_cast<double>(systems.size());
@@ -76,10 +99,12 @@ MotionVariances learnVariances(const std::vector<ArcEquations>& equations, Threa
                   std::fabs(std::log(updated.strain / variances.strain)),
                   std::fabs(std::log(updated.rotation / variances.rotation))});
     variances = updated;
+    if (twisting > 0) learnt.twist = mean(affine, static_cast<int>(twisting));
     if (change < 1e-3) break;
   }
-  variances.strain *= strainShare;
-  return variances;
+  variances.strain *= overEstimated;
+  learnt.twist *= overEstimated;
+  return learnt;
 }
 
 }  // namespace
@@ -101,8 +126,12 @@ LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
     }
     if (!equations.empty()) break;
   }
-  learnt.variances = learnVariances(equations, pool);
-  const Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
+  const Eigen::MatrixXd twists =
+      anchors.empty() ? Eigen::MatrixXd(local, 0) : model.basis().twists();
+  const GlobalVariances variances = learnVariances(equations, twists, pool);
+  learnt.variances = variances.blocks;
+  Eigen::MatrixXd towards = learnt.variances.diagonal().asDiagonal();
+  towards.topLeftCorner(local, local) += variances.twist * twists * twists.transpose();
   const double count = static_cast<double>(equations.size());
   Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(all, all), covariance = towards;
   for (const ArcEquations& e : equations) mean += e.matrix / count;

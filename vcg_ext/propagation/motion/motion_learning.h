@@ -25,9 +25,11 @@ struct LearntPrior {
 /// covariance: (1) a fit with a wide prior; (2) expectation-maximisation of the three affine
 /// variances over its arcs, the local coefficients integrated out and the noise tempered; (3) of
 /// the full covariance, drawn towards (2), where what an arc leaves uncertain is taken from the
-/// mean of all arcs' equations. For a dozen surfaces or more, in whatever order: also where it is
-/// none in time, what is learnt is better than the fixed prior, or as good (measured in
-/// docs/propagation_robust.md).
+/// mean of all arcs' equations. With anchors, (2) has a fourth variance, of twists
+/// (motion_basis.h), and (3) is drawn towards them as well: few points say how one end turns
+/// against the other only where it is expected to do so as a whole. For a dozen surfaces or more,
+/// in whatever order: also where it is none in time, what is learnt is better than the fixed prior,
+/// or as good (measured in docs/propagation_robust.md).
 LearntPrior learnMotionPrior(const MotionModel& model, const Sequence& sequence,
                              const PropagationTree& tree, ThreadPool& pool,
                              const Progress& progress = {}, const MotionAnchors& anchors = {});
