@@ -86,11 +86,12 @@ class AnchorFilter : public host::Filter {
                                                 : std::vector<host::Layer>{task.layers.current()};
     Eigen::VectorXd counts = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layers.size()));
     std::vector<std::string> without;
-    bool any = false;
+    bool any = false, inFolder = false;
     AnchorSources sources(task, frame);
     for (size_t i = 0; i < layers.size(); ++i) {
       const host::Layer& layer = layers[i];
-      const std::string file = fromFolder ? anchorFileIn(given, layer) : given;
+      const std::string file = fromFolder ? sources.fileIn(given, layer) : given;
+      inFolder = inFolder || !file.empty();
       AnchorSet anchors;
       if (!file.empty())
         anchors = sources.from(file, layer);
@@ -107,9 +108,10 @@ class AnchorFilter : public host::Filter {
       if (task.values.flag("show_anchors")) task.changes.addLayer(markersOf(layer, anchors));
     }
     sources.sayWhichAsWritten();
-    if (!any && fromFolder) throw host::Refusal(messages::noAnchorsInFolder, given);
-    if (!any) task.say(messages::noAnchorsBeside, layers.size());
-    if (any && !without.empty()) task.say(messages::layersWithoutAnchors, namesIn(without));
+    if (fromFolder && !inFolder) throw host::Refusal(messages::noAnchorsInFolder, given);
+    if (!any && given.empty()) task.say(messages::noAnchorsBeside, layers.size());
+    if ((any || !given.empty()) && !without.empty())
+      task.say(messages::layersWithoutAnchors, namesIn(without));
     if (any) task.say(messages::anchorsLoaded, layers.size() - without.size());
     return {{"anchors", counts}};
   }

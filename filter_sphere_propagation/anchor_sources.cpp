@@ -76,7 +76,9 @@ AnchorSet AnchorSources::read(const std::string& file, const host::Layer& layer,
   }
   if (asWritten) asWritten_.push_back(layer.label());
   task_.say(messages::anchorsRead, layer.label(), anchors.size(), file);
-  if (!list.undefined.empty())
+  if (list.anchors.empty() && list.ambiguous.empty())
+    task_.sayOf(layer, messages::noAnchorHasPlace, file, namesIn(list.undefined));
+  else if (!list.undefined.empty())
     task_.say(messages::anchorsWithoutPlace, layer.label(), namesIn(list.undefined));
   if (!list.ambiguous.empty())
     task_.sayOf(layer, messages::anchorsTwice, namesIn(list.ambiguous), file);
@@ -99,11 +101,14 @@ void AnchorSources::sayWhichAsWritten() const {
     task_.sayNaming(asWritten_, messages::anchorsInLps, namesIn(asWritten_), asWritten_.size());
 }
 
-std::string anchorFileIn(const std::string& folder, const host::Layer& layer) {
-  std::string file;
+std::string AnchorSources::fileIn(const std::string& folder, const host::Layer& layer) const {
+  std::vector<std::string> files;
   if (const std::string own = layer.fileName(); !own.empty())
-    file = anchorFileIn(folder, std::filesystem::u8path(own).filename().u8string());
-  return file.empty() ? anchorFileIn(folder, layer.label()) : file;
+    files = anchorFilesIn(folder, std::filesystem::u8path(own).filename().u8string());
+  if (files.empty()) files = anchorFilesIn(folder, layer.label());
+  if (files.empty()) return "";
+  if (files.size() > 1) task_.sayOf(layer, messages::severalAnchorFiles, namesIn(files), files[0]);
+  return files[0];
 }
 
 bool isFolder(const std::string& path) {

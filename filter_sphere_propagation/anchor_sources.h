@@ -33,6 +33,10 @@ class AnchorSources {
  public:
   AnchorSources(const host::Task& task, AnchorFrame frame) : task_(task), frame_(frame) {}
 
+  /// The file of a folder that is called as the layer's file or as the layer; empty where there is
+  /// none. Names the others where there are several.
+  std::string fileIn(const std::string& folder, const host::Layer& layer) const;
+
   /// The anchors of a layer, its matrix applied. Places in LPS that lie on the layer as they are
   /// written, and not in RAS, are taken as they are written. Throws AnchorError.
   AnchorSet from(const std::string& file, const host::Layer& layer) {
@@ -53,10 +57,6 @@ class AnchorSources {
   AnchorFrame frame_;
   std::vector<std::string> asWritten_;  ///< layers
 };
-
-/// The file of a folder that is called as the layer's file or as the layer; empty where there is
-/// none.
-std::string anchorFileIn(const std::string& folder, const host::Layer& layer);
 
 bool isFolder(const std::string& path);
 

@@ -302,7 +302,7 @@ class PropagationFilter : public host::Filter {
     AnchorSources sources(task, AnchorFrame::World);
     for (size_t i = 0; i < found.size(); ++i) {
       const host::Layer& layer = participants.layers[i];
-      const std::string file = folder.empty() ? "" : anchorFileIn(folder, layer);
+      const std::string file = folder.empty() ? "" : sources.fileIn(folder, layer);
       inFolder = inFolder || !file.empty();
       if (!file.empty())
         found[i] = sources.from(file, layer);
@@ -390,12 +390,19 @@ class PropagationFilter : public host::Filter {
     int compared = 0, measured = 0;
     for (Eigen::Index i = 0; i < layers; ++i) {
       const PropagatedLayer& layer = propagated[static_cast<size_t>(i)];
+      const host::Layer& it = participants.layers[static_cast<size_t>(i)];
       widening[i] = layer.anchors.widening;
       std::set<size_t> named;
-      for (const auto& [one, other] : layer.anchors.exchanged) {
-        task.sayOf(participants.layers[static_cast<size_t>(i)], messages::anchorsExchanged,
-                   names[one], names[other]);
-        named.insert({one, other});
+      std::vector<std::string> contradicting;
+      double least = HUGE_VAL, most = 0;
+      for (const std::vector<size_t>& turn : layer.anchors.exchanged) {
+        std::vector<std::string> called;
+        for (const size_t k : turn) called.push_back(names[k]);
+        if (turn.size() == 2)
+          task.sayOf(it, messages::anchorsExchanged, called[0], called[1]);
+        else
+          task.sayOf(it, messages::anchorsExchangedInTurn, namesIn(called, called.size()));
+        named.insert(turn.begin(), turn.end());
       }
       for (Eigen::Index k = 0; k < count; ++k) {
         const auto place = static_cast<size_t>(k);
@@ -412,10 +419,17 @@ class PropagationFilter : public host::Filter {
         ++measured;
         if (std::isfinite(before[entry])) sumBefore += before[entry], ++compared;
         // With one anchor there are no others.
-        if (standardised[entry] > maxStandardised && count > 1 && named.count(place) == 0)
-          task.sayOf(participants.layers[static_cast<size_t>(i)], messages::anchorContradicts,
-                     names[place], standardised[entry]);
+        if (standardised[entry] > maxStandardised && count > 1 && named.count(place) == 0) {
+          contradicting.push_back(names[place]);
+          least = std::min(least, standardised[entry]);
+          most = std::max(most, standardised[entry]);
+        }
       }
+      if (contradicting.size() == 1)
+        task.sayOf(it, messages::anchorContradicts, contradicting[0], most);
+      else if (!contradicting.empty())
+        task.sayOf(it, messages::anchorsContradict, contradicting.size(), namesIn(contradicting),
+                   least, most);
     }
     if (measured > 0)
       task.say(messages::anchorsHeeded, anchors.use == AnchorUse::Exact ? "exact" : "soft",

@@ -12,7 +12,7 @@ from .attention import warn
 from .errors import FileError, SpherePropagationWarning
 from .surface import count_others
 
-# Of a folder the first that is there, as anchorFileIn has them.
+# Of a folder the first that is there, as anchorFilesIn has them.
 ENDINGS = ("_picked_points.pp", ".mrk.json", ".csv", ".fcsv", ".pp", ".json", ".tsv", ".txt")
 ENDINGS += (".pts", ".xyz", ".particles")
 BESIDE = ("_picked_points.pp", ".mrk.json", ".fcsv", ".pp")  # a mesh, what can be nothing else

@@ -226,12 +226,12 @@ TEST_F(AnchorFile, IsFoundBesideItsMesh) {
 
 TEST_F(AnchorFile, IsFoundInAFolderByItsName) {
   const std::string folder = folder_.u8string();
-  EXPECT_EQ(anchorFileIn(folder, "heart.ply"), "");
+  EXPECT_EQ(anchorFilesIn(folder, "heart.ply"), Names{});
   const std::string plain = written("heart.json", ""), exact = written("heart.ply.csv", ""),
                     dotted = written("phase 0.5.txt", "");
-  EXPECT_EQ(anchorFileIn(folder, "heart"), plain);
-  EXPECT_EQ(anchorFileIn(folder, "heart.ply"), exact);
-  EXPECT_EQ(anchorFileIn(folder, "phase 0.5"), dotted);
+  EXPECT_EQ(anchorFilesIn(folder, "heart"), Names{plain});
+  EXPECT_EQ(anchorFilesIn(folder, "heart.ply"), (Names{exact, plain}));
+  EXPECT_EQ(anchorFilesIn(folder, "phase 0.5"), Names{dotted});
 }
 
 TEST_F(AnchorFile, GivesPlacesOnTheSphere) {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/propagation/propagation.h"
@@ -113,6 +115,26 @@ TEST(MotionAnchors, AreHeldExactlyByBothMethodsAlsoWhereAreasAreRestored) {
     }
 }
 
+TEST(MotionAnchors, FarOnesAreHeldAlikeWithAnyNumberOfThreads) {
+  const Turning turning(4, 1.6);
+  PropagationParameters parameters = with(AnchorUse::Soft, turning.anchors());
+  parameters.method = PropagationMethod::AsPublished;
+  const auto propagatedBy = [&](int threads) {
+    parameters.threads = threads;
+    return propagate(Sequence(turning.surfaces), turning.root(), turning.tree(), parameters);
+  };
+  const std::vector<double> left = propagatedBy(1).layers[2].anchors.after;
+  EXPECT_GT(*std::max_element(left.begin(), left.end()), 0.2 * 20) << "not far enough to be spread";
+  parameters.anchors.use = AnchorUse::Exact;
+  const Propagation alone = propagatedBy(1);
+  for (const int threads : {2, 3, 8}) {
+    const Propagation together = propagatedBy(threads);
+    for (size_t t = 1; t < 4; ++t)
+      EXPECT_EQ(together.layers[t].map().positions(), alone.layers[t].map().positions());
+    if (test::underSanitizer()) break;
+  }
+}
+
 TEST(MotionAnchors, OneThatContradictsTheOthersStandsOut) {
   const Turning turning(2, 0.3);
   std::vector<AnchorSet> anchors = turning.anchors();
@@ -122,12 +144,22 @@ TEST(MotionAnchors, OneThatContradictsTheOthersStandsOut) {
   const std::vector<double>& z = found.layers[1].anchors.standardised;
   EXPECT_GT(z[2], 3);  // "v40" comes behind "v1201" and "v300"
   EXPECT_GT(z[4], 3);
-  using Pairs = std::vector<std::pair<size_t, size_t>>;
-  EXPECT_EQ(found.layers[1].anchors.exchanged, (Pairs{{2, 4}}));
+  using Turns = std::vector<std::vector<size_t>>;
+  EXPECT_EQ(found.layers[1].anchors.exchanged, (Turns{{2, 4}}));
   const Propagation fine = propagate(Sequence(turning.surfaces), turning.root(), turning.tree(),
                                      with(AnchorUse::Soft, turning.anchors()));
-  EXPECT_EQ(fine.layers[1].anchors.exchanged, Pairs{});
+  EXPECT_EQ(fine.layers[1].anchors.exchanged, Turns{});
   EXPECT_GT(found.layers[1].anchors.widening, 1);
+  // In turn: "v1201" has the place of "v300", that of "v40", that of "v620", that of "v1201".
+  std::vector<AnchorSet> inTurn = turning.anchors();
+  const AnchorSet right = inTurn[1];
+  inTurn[1]["v1201"] = right.at("v300");
+  inTurn[1]["v300"] = right.at("v40");
+  inTurn[1]["v40"] = right.at("v620");
+  inTurn[1]["v620"] = right.at("v1201");
+  const Propagation turned = propagate(Sequence(turning.surfaces), turning.root(), turning.tree(),
+                                       with(AnchorUse::Soft, inTurn));
+  EXPECT_EQ(turned.layers[1].anchors.exchanged, (Turns{{0, 1, 2, 3}}));
 }
 
 TEST(MotionAnchors, RefusesWhatCannotBe) {

@@ -122,6 +122,18 @@ def test_what_is_wrong_with_anchors_is_named(tmp_path):
     (tmp_path / "twice.csv").write_text("a,1,2,3\na,3,4,5\n")
     said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "twice.csv")))
     assert [r["message"] for r in said] == ["anchorsTwice"]
+    (tmp_path / "unplaced.csv").write_text("name,x,y,z\napex,nan,nan,nan\nbase,,,\n")
+    said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "unplaced.csv")))
+    assert [r["message"] for r in said] == ["noAnchorHasPlace"]
+    assert 'names "apex", "base" and has a place for none' in said[0]["text"]
+    (tmp_path / "two").mkdir()
+    for ending in ("csv", "txt"):
+        table(tmp_path / f"two/phantom cavity 00.{ending}", points)
+    said = remarks(ms.apply_filter(LOAD, file_name=str(tmp_path / "two")))
+    assert [(r["message"], r["layer"]) for r in said] == [
+        ("severalAnchorFiles", "phantom cavity 00")
+    ]
+    assert said[0]["text"].endswith("00.csv; take the others away.")
     for name, text, words in (
         ("bad.csv", "a,1,2,three", 'line 1: the place of "a" is not three numbers'),
         ("bad.json", "{", "line"),
@@ -270,6 +282,26 @@ def test_names_that_are_exchanged_are_refused_or_named():
     assert any(
         '"p100" and "p5" fit much better with their names exchanged' in text for text in said
     )
+
+
+def test_names_that_are_exchanged_in_turn_are_named():
+    there = turning(2)
+    its_place = {"p5": "p100", "p100": "p230", "p230": "p5", "p400": "p400"}
+    ms = pymeshlab.MeshSet()
+    for i, mesh in enumerate(there):
+        copy = pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix())
+        for name, other in its_place.items():
+            values = mesh.vertex_custom_point_attribute_matrix(f"anchor_{other if i else name}")
+            copy.add_vertex_custom_point_attribute(values, f"anchor_{name}")
+        ms.add_mesh(copy, f"egg {i}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    said = [r["text"] for r in remarks(ms.apply_filter(PROPAGATE))]
+    assert any(
+        text.startswith('its anchors "p100", "p230", "p5" fit much better') and "in turn" in text
+        for text in said
+    )
+    assert not any("standard deviations" in text and "p5" in text for text in said)
 
 
 def test_anchors_follow_their_layer_through_a_preparation(tmp_path):

@@ -462,8 +462,8 @@ std::vector<std::string> anchorFilesBeside(const std::string& mesh) {
   return files;
 }
 
-std::string anchorFileIn(const std::string& folder, const std::string& name) {
-  std::vector<std::string> stems{name};
+std::vector<std::string> anchorFilesIn(const std::string& folder, const std::string& name) {
+  std::vector<std::string> stems{name}, files;
   if (const std::string stem = pathOf(name).stem().u8string(); stem != name) stems.push_back(stem);
   for (const std::string& stem : stems) {
     std::vector<std::string> names = namesFor(stem);
@@ -472,9 +472,9 @@ std::string anchorFileIn(const std::string& folder, const std::string& name) {
       if (ending != ".csv") names.push_back(stem + ending);
     for (const std::string& candidate : names)
       if (const std::filesystem::path file = pathOf(folder) / pathOf(candidate); isFile(file))
-        return file.u8string();
+        files.push_back(file.u8string());
   }
-  return "";
+  return files;
 }
 
 }  // namespace sphere_propagation

@@ -37,9 +37,9 @@ AnchorList readSpherePlaces(const std::string& file);
 /// may be anything.)
 std::vector<std::string> anchorFilesBeside(const std::string& mesh);
 
-/// The file of a folder that holds the anchors of what is called so; empty where there is none.
+/// The files of a folder that hold the anchors of what is called so, best first: one is right.
 /// name: with or without a file's ending. As beside a mesh, and besides NAME.json, .tsv, .txt,
 /// .pts, .xyz and .particles: a folder that is given holds anchors.
-std::string anchorFileIn(const std::string& folder, const std::string& name);
+std::vector<std::string> anchorFilesIn(const std::string& folder, const std::string& name);
 
 }  // namespace sphere_propagation

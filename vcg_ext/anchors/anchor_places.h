@@ -3,7 +3,6 @@
 /// Anchors as points of their surfaces.
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "vcg_ext/anchors/anchor_set.h"
@@ -33,7 +32,7 @@ struct AnchorFigures {
   std::vector<double> after;
   std::vector<double> standardised;  ///< LayerAnchors::standardised, motion_anchors.h
   double widening = 1;               ///< of the prior's covariance (motion_anchors.h)
-  std::vector<std::pair<size_t, size_t>> exchanged = {};  ///< LayerAnchors::exchanged, by name
+  std::vector<std::vector<size_t>> exchanged = {};  ///< LayerAnchors::exchanged, by name
 };
 
 /// The points of a surface that are closest to its anchors, in the order of names; face -1 where it

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "vcg_ext/base/dense_cholesky.h"
@@ -58,6 +59,60 @@ Eigen::MatrixXd rowsAt(const MotionModel& model, const SurfacePoint& site) {
   return rows;
 }
 
+/// Columns by rows, each of its own, such that the sum of these entries is least: the Hungarian
+/// method, by shortest augmenting paths (R. Jonker, A. Volgenant, 1987).
+std::vector<int> cheapestAssignment(const Eigen::MatrixXd& costs) {
+  const auto n = static_cast<size_t>(costs.rows());
+  const double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> ofRow(n + 1, 0), ofColumn(n + 1, 0);
+  std::vector<size_t> rowOf(n + 1, n), before(n + 1, n);  // by column; the last is no column
+  for (size_t row = 0; row < n; ++row) {
+    rowOf[n] = row;
+    size_t column = n;
+    std::vector<double> least(n + 1, infinity);
+    std::vector<char> used(n + 1, 0);
+    do {
+      used[column] = 1;
+      const size_t i = rowOf[column];
+      size_t next = n;
+      double step = infinity;
+      for (size_t j = 0; j < n; ++j) {
+        if (used[j]) continue;
+        const double reduced = costs(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) -
+                               ofRow[i] - ofColumn[j];
+        if (reduced < least[j]) least[j] = reduced, before[j] = column;
+        if (next == n || least[j] < step) step = least[j], next = j;
+      }
+      for (size_t j = 0; j <= n; ++j) {
+        if (used[j])
+          ofRow[rowOf[j]] += step, ofColumn[j] -= step;
+        else
+          least[j] -= step;
+      }
+      column = next;
+    } while (rowOf[column] != n);
+    for (; column != n; column = before[column]) rowOf[column] = rowOf[before[column]];
+  }
+  std::vector<int> columns(n, 0);
+  for (size_t j = 0; j < n; ++j) columns[rowOf[j]] = static_cast<int>(j);
+  return columns;
+}
+
+/// The cycles of a permutation, each with its smallest number first.
+std::vector<std::vector<int>> turnsOf(const std::vector<int>& permutation) {
+  std::vector<std::vector<int>> turns;
+  std::vector<char> seen(permutation.size(), 0);
+  for (size_t first = 0; first < permutation.size(); ++first) {
+    if (seen[first]) continue;
+    turns.emplace_back();
+    for (size_t k = first; !seen[k]; k = static_cast<size_t>(permutation[k])) {
+      seen[k] = 1;
+      turns.back().push_back(static_cast<int>(k));
+    }
+  }
+  return turns;
+}
+
 }  // namespace
 
 LayerAnchors::LayerAnchors(Eigen::MatrixXd rows, Eigen::VectorXd from, Eigen::VectorXd to,
@@ -86,8 +141,8 @@ double LayerAnchors::widening(const Eigen::VectorXd& before, const MotionPrior& 
   return Explanation{variances, along.array().square(), deviation_ * deviation_}.widening();
 }
 
-std::vector<std::pair<int, int>> LayerAnchors::exchanged(const Eigen::VectorXd& before,
-                                                         const MotionPrior& prior) const {
+std::vector<std::vector<int>> LayerAnchors::exchanged(const Eigen::VectorXd& before,
+                                                      const MotionPrior& prior) const {
   const EigenSystem axes = eigenSystemOf(priorCovariance(prior));
   const Eigen::ArrayXd variances = axes.values.array().max(0);
   const Eigen::MatrixXd toAxes = axes.vectors.transpose();
@@ -99,30 +154,41 @@ std::vector<std::pair<int, int>> LayerAnchors::exchanged(const Eigen::VectorXd& 
   const double asTheyAre = best(along);
   struct Exchange {
     double gain;
-    int one, other;
+    std::vector<int> turn;
   };
   std::vector<Exchange> exchanges;
+  const auto add = [&](std::vector<int> turn) {
+    Eigen::VectorXd mended = along;
+    for (size_t k = 0; k < turn.size(); ++k) {
+      // The place of each is what the one before it has.
+      const int own = turn[k], from = turn[(k + turn.size() - 1) % turn.size()];
+      mended +=
+          toAxes.middleCols<3>(3 * own) * (to_.segment<3>(3 * from) - to_.segment<3>(3 * own));
+    }
+    const double gain = asTheyAre - best(mended);
+    if (gain > muchBetter) exchanges.push_back({gain, std::move(turn)});
+  };
   const auto count = static_cast<int>(to_.size() / 3);
   for (int i = 0; i < count; ++i)
-    for (int j = i + 1; j < count; ++j) {
-      const Vector3 apart = to_.segment<3>(3 * j) - to_.segment<3>(3 * i);
-      const double gain =
-          asTheyAre -
-          best(along + (toAxes.middleCols<3>(3 * i) - toAxes.middleCols<3>(3 * j)) * apart);
-      if (gain > muchBetter) exchanges.push_back({gain, i, j});
-    }
+    for (int j = i + 1; j < count; ++j) add({i, j});
+  const Eigen::VectorXd expected = to_ - residual(before);
+  Eigen::MatrixXd squares(count, count);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j)
+      squares(i, j) = (to_.segment<3>(3 * i) - expected.segment<3>(3 * j)).squaredNorm();
+  for (std::vector<int>& turn : turnsOf(cheapestAssignment(squares)))
+    if (turn.size() > 2) add(std::move(turn));
   std::stable_sort(exchanges.begin(), exchanges.end(),
                    [](const Exchange& a, const Exchange& b) { return a.gain > b.gain; });
-  std::vector<std::pair<int, int>> pairs;
+  std::vector<std::vector<int>> found;
   std::vector<char> taken(static_cast<size_t>(count), 0);
-  for (const Exchange& exchange : exchanges) {
-    char &one = taken[static_cast<size_t>(exchange.one)],
-         &other = taken[static_cast<size_t>(exchange.other)];
-    if (one || other) continue;
-    one = other = 1;
-    pairs.emplace_back(exchange.one, exchange.other);
+  for (Exchange& exchange : exchanges) {
+    const auto isTaken = [&](int k) { return taken[static_cast<size_t>(k)] != 0; };
+    if (std::any_of(exchange.turn.begin(), exchange.turn.end(), isTaken)) continue;
+    for (const int k : exchange.turn) taken[static_cast<size_t>(k)] = 1;
+    found.push_back(std::move(exchange.turn));
   }
-  return pairs;
+  return found;
 }
 
 Eigen::VectorXd LayerAnchors::step(const Eigen::VectorXd& before, const MotionPrior& prior) const {

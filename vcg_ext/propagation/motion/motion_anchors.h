@@ -49,11 +49,13 @@ class LayerAnchors {
   /// least two anchors say that the motion is larger than the prior expects, their spread counts:
   /// all is over sqrt(max(1, median of the squares / 0.789)).
   std::vector<double> standardised(const Eigen::VectorXd& before, const MotionPrior& prior) const;
-  /// The pairs whose names are exchanged in all likelihood: with y of one and the other exchanged,
-  /// the criterion above, at its f, is lower by more than 20 (odds of e^10). Where two pairs share
-  /// an anchor, the better one; each with the smaller number first.
-  std::vector<std::pair<int, int>> exchanged(const Eigen::VectorXd& before,
-                                             const MotionPrior& prior) const;
+  /// Those whose names are exchanged in all likelihood, two or more in turn: each has the place of
+  /// the next one, the last that of the first. With y as they should be then, the criterion above,
+  /// at its f, is lower by more than 20 (odds of e^10). Looked at are all pairs, and the cycles of
+  /// the names that lie nearest, all together, to where c brings the root's; of those that share
+  /// an anchor, the better one; each with its smallest number first.
+  std::vector<std::vector<int>> exchanged(const Eigen::VectorXd& before,
+                                          const MotionPrior& prior) const;
 
  private:
   Eigen::VectorXd residual(const Eigen::VectorXd& c) const { return to_ - from_ - rows_ * c; }

@@ -77,9 +77,10 @@ std::vector<AnchorFigures> figuresOf(const PropagationTree& tree, const MotionAn
       figures[t].standardised[there[i]] = standardised[i];
     }
     figures[t].widening = anchors->widening(before, prior);
-    for (const auto& [i, j] : anchors->exchanged(before, prior))
-      figures[t].exchanged.emplace_back(there[static_cast<size_t>(i)],
-                                        there[static_cast<size_t>(j)]);
+    for (const std::vector<int>& turn : anchors->exchanged(before, prior)) {
+      figures[t].exchanged.emplace_back();
+      for (const int k : turn) figures[t].exchanged.back().push_back(there[static_cast<size_t>(k)]);
+    }
   }
   return figures;
 }
