@@ -6,8 +6,6 @@ there in a few milliseconds, and as SVG and PDF by Matplotlib, which takes half 
 from __future__ import annotations
 
 import os
-import struct
-import zlib
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -153,28 +151,6 @@ def _disc(x: float, y: float, radius: float):
     return mask.reduce(FINER)
 
 
-def png_of(pixels: np.ndarray) -> bytes:
-    """A PNG file of bytes (height, width, 3). Each row is the difference to the one above, and is
-    compressed quickly: Pillow's search for the best filter takes twice as long, for a file as
-    large."""
-    height, width = pixels.shape[:2]
-    rows = np.empty((height, 1 + 3 * width), np.uint8)
-    rows[:, 0] = 2  # the filter "up"
-    rows[:, 1:] = pixels.reshape(height, -1)
-    rows[1:, 1:] -= pixels[:-1].reshape(height - 1, -1)
-    per_meter = round(DPI / 0.0254)
-    chunks = (
-        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
-        (b"pHYs", struct.pack(">IIB", per_meter, per_meter, 1)),
-        (b"IDAT", zlib.compress(rows.tobytes(), 1)),
-        (b"IEND", b""),
-    )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in chunks
-    )
-
-
 class _Raster:
     def __init__(self, drawing: Drawing):
         from PIL import Image
@@ -184,7 +160,8 @@ class _Raster:
             getattr(self, type(part).__name__.lower())(part)
 
     def write(self, path) -> None:
-        Path(path).write_bytes(png_of(np.asarray(self._page)))
+        # Quick compression: files a fifth larger, written in half the time.
+        self._page.save(path, "PNG", compress_level=1, dpi=(DPI, DPI))
 
     def text(self, text: Text) -> None:
         from PIL import Image, ImageDraw
