@@ -179,5 +179,6 @@ def ticks(low: float, high: float, most: int, whole: bool = False) -> List[float
 def labels(numbers: Sequence[float]) -> List[str]:
     """With as many digits as tell them apart."""
     step = min(np.diff(numbers), default=1.0)
-    digits = next((n for n in range(12) if abs(step * 10**n - round(step * 10**n)) < 1e-6), 12)
+    steps = ((n, step * 10**n) for n in range(12))
+    digits = next((n for n, scaled in steps if abs(scaled - round(scaled)) < 1e-6 * scaled), 12)
     return [f"{number + 0.0:.{digits}f}".replace("-", MINUS) for number in numbers]
