@@ -21,6 +21,7 @@
 #include "vcg_ext/fitting/fit_calibration.h"
 #include "vcg_ext/fitting/fit_file.h"
 #include "vcg_ext/fitting/fitted_map.h"
+#include "vcg_ext/fitting/mirrored_fit.h"
 #include "vcg_ext/fitting/model_fit.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/model_file.h"
@@ -158,6 +159,11 @@ class FitFilter : public host::Filter {
     }();
     const ShapeDeviation deviation = shapeDeviation(fit.scores, shapes.scores, shapes.eigenvalues);
     tellOf(task, *layer, model, target, fit, deviation);
+    if (fit.starts > 1) {  // else the pose is known, and with it the side
+      const double advantage = advantageOfMirrorImage(model, target, fit, parameters.scales, pool);
+      if (advantage > clearAdvantage)
+        task.sayOf(*layer, messages::mirrorImageFitsBetter, advantage);
+    }
     addLayer(task, *layer, model, fit);
     host::Outputs outputs = outputsOf(model, fit, deviation, target);
     outputs["calibration"] = parameters.calibration;

@@ -18,6 +18,7 @@
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/fitting/fit_calibration.h"
 #include "vcg_ext/fitting/fitted_map.h"
+#include "vcg_ext/fitting/mirrored_fit.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/shape_deviation.h"
@@ -119,6 +120,19 @@ TEST_F(ModelFitting, FindsThePoseFromAnywhere) {
     EXPECT_LT((found.rotation - randomRotation(seed)).norm(), 0.05);
     EXPECT_NEAR(found.rotation.determinant(), 1, 1e-12);
   }
+}
+
+TEST_F(ModelFitting, TellsAMirrorImage) {
+  const Egg right = egg({-0.7, 0.4, 1.2}, randomRotation(2), {100, -50, 7});
+  Mesh image = right.mesh;
+  image.vertices.col(1) *= -1;
+  image.faces.col(0).swap(image.faces.col(1));
+  const auto advantage = [this](const Mesh& mesh) {
+    return advantageOfMirrorImage(model_, target(mesh), fit(mesh, searching()), false, pool_);
+  };
+  EXPECT_LT(advantage(right.mesh), -clearAdvantage);
+  EXPECT_GT(advantage(image), clearAdvantage);
+  EXPECT_NEAR(advantage(image), -advantage(right.mesh), 0.1 * advantage(image));
 }
 
 TEST_F(ModelFitting, CompletesAPartOfASurface) {

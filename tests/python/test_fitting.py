@@ -2,6 +2,7 @@
 """sp.fit and `sphere-propagation fit`: a model on a surface that it was not built from."""
 
 import csv
+import warnings
 from pathlib import Path
 
 import nibabel
@@ -195,6 +196,30 @@ def test_another_organ_is_named(cycle, tmp_path, capsys, monkeypatch):
     with open("fit/fits.csv", newline="") as file:
         rows = {row["surface"]: row["warnings"].split() for row in csv.DictReader(file)}
     assert rows["phase"] == [] and {"fitIsFarOff", "surfaceUnexplained"} & set(rows["wall"])
+
+
+def test_a_mirror_image_is_named_where_the_pose_is_searched_for(cycle):
+    centre = cycle.landmarks.mean((0, 1))
+
+    def twisted(points):
+        """The phantom's cavity is nearly its own mirror image; this is not."""
+        x, y, z = (np.asarray(points) - centre).T
+        c, s = np.cos(0.02 * z), np.sin(0.02 * z)
+        return np.stack([1.4 * c * x - s * y, 1.4 * s * x + c * y, z], -1)
+
+    model = sp.shape_model(
+        [twisted(x) for x in cycle.landmarks[1:]], cycle.landmark_faces, alignment="Rigid"
+    )
+    v, f = twisted(cycle.surfaces[0].vertices), np.asarray(cycle.surfaces[0].faces)
+    named = {}
+    for side in (1, -1):
+        surface = v * [side, 1, 1], f[:, ::side]
+        for pose in ("Search", "As it lies"):
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                sp.fit(model, surface, pose=pose)
+            named[side, pose] = any(str(w.message.message) == "mirrorImageFitsBetter" for w in said)
+    assert named.pop((-1, "Search")) and not any(named.values())
 
 
 def test_a_label_volume_is_a_surface(cycle, model, tmp_path, capsys, monkeypatch):

@@ -113,6 +113,13 @@ FittingTarget::FittingTarget(UsedMesh used, const std::string& name)
   sample(areas);
 }
 
+FittingTarget FittingTarget::mirrored() const {
+  UsedMesh image{vertices_, faces_};
+  image.vertices.col(0) = (2 * centre_[0] - image.vertices.col(0).array()).matrix();
+  image.faces.col(1).swap(image.faces.col(2));
+  return {std::move(image), "mirror image"};
+}
+
 // Along the order of the tree, in which what is near in space is near, at equal steps of area.
 void FittingTarget::sample(const Eigen::VectorXd& areas) {
   constexpr int rings = 2;

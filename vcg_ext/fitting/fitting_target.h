@@ -17,6 +17,9 @@ class FittingTarget {
   FittingTarget(const Points& vertices, const Triangles& faces,
                 const std::string& name = "surface");
 
+  /// In the plane through its centre across x.
+  FittingTarget mirrored() const;
+
   /// No face has an edge to itself.
   bool closed() const { return closed_; }
   double area() const { return area_; }

@@ -23,6 +23,8 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 constexpr int firstIterations = 2, startIterations = 6, mostStarts = 16;
 constexpr int allTurns = 60, mostStartsOfParts = 12;
+// Of the landmarks, while poses are compared, in the first steps and in those that follow.
+constexpr Eigen::Index observedFirst = 330, observedThen = 500;
 constexpr int posesOfFreedom = 7;          // rotation, translation, scale
 constexpr double leastNoise = 0.05;        // of the surface's mean edge
 constexpr double hard = 3;                 // a residual of so many sigma weighs a quarter
@@ -278,6 +280,7 @@ State at(const RigidMotion& pose, double scale = 1) {
 
 void requireValid(const FittingModel& model, const ModelFitParameters& parameters) {
   requireRange("number of iterations", parameters.iterations, Range::between(1, 1000));
+  requireRange("scale", parameters.scale, Range::above(0));
   requireRange("thinning", parameters.thinning, Range::atLeast(1));
   requireRange("calibration", parameters.calibration, Range::above(0));
   requireRange("mean edge", parameters.meanEdge, Range::atLeast(0));
@@ -342,15 +345,19 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
   std::optional<RigidMotion> pose = parameters.pose;
   if (!pose) pose = poseOfAnchors(model, parameters.anchors);
   if (pose) {
-    start = at(*pose);
+    start = at(*pose, parameters.scale);
   } else {
     // All of them get a start: how far they come in a few steps tells which go on.
-    const auto from = [&](const std::vector<State>& states, int iterations) {
+    const auto from = [&](const std::vector<State>& states, int iterations, Eigen::Index observed) {
+      ModelFitParameters thinned = parameters;
+      thinned.thinning =
+          std::max(parameters.thinning, static_cast<int>(model.mean().rows() / observed));
+      const Fitting roughly(model, target, thinned);
       return pool.makeEach(
           static_cast<int>(states.size()), [&](int i) -> std::optional<Fitting::Solved> {
             ThreadPool own(1);
             try {
-              return fitting.solve(states[static_cast<size_t>(i)], modes, iterations, own);
+              return roughly.solve(states[static_cast<size_t>(i)], modes, iterations, own);
             } catch (const SurfaceError&) {
               return std::nullopt;  // it went astray
             }
@@ -363,7 +370,7 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
       (states.size() < sure ? states : more).push_back(at(one.motion));
     if (target.closed())
       for (const RigidMotion& motion : turnsAboutCentre(model, target)) more.push_back(at(motion));
-    std::vector<std::optional<Fitting::Solved>> begun = from(more, firstIterations);
+    std::vector<std::optional<Fitting::Solved>> begun = from(more, firstIterations, observedFirst);
     std::stable_sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) {
       return a && (!b || a->energy < b->energy);
     });
@@ -371,7 +378,8 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
       if (begun[i]) states.push_back(begun[i]->state);
     fit.starts = static_cast<int>(states.size());
     report(progress, 0.3);
-    const std::vector<std::optional<Fitting::Solved>> tried = from(states, startIterations);
+    const std::vector<std::optional<Fitting::Solved>> tried =
+        from(states, startIterations, observedThen);
     const Fitting::Solved* best = chosenOf(tried);
     start = best ? best->state : states.front();
   }
@@ -387,6 +395,7 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
   fit.scores = state.c.head(modes);
   fit.local = state.c.tail(state.c.size() - modes);
   fit.noise = solved.noise;
+  fit.logPosterior = -solved.energy;
   fit.surfaceDistance = solved.seen.distance;
   fit.unseen = parameters.thinning * static_cast<double>(solved.seen.unseen) /
                static_cast<double>(model.mean().rows());

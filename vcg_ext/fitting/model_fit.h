@@ -45,7 +45,8 @@ struct ModelFitParameters {
   /// Where the model's frame lies, to begin with; empty: searched for, or from the anchors where
   /// there are three of them.
   std::optional<RigidMotion> pose = RigidMotion{};
-  bool scales = false;  ///< whether s is sought; else 1
+  double scale = 1;     ///< s at that pose, above 0
+  bool scales = false;  ///< whether s is sought; else it stays
   std::vector<FittingAnchor> anchors = {};
   int iterations = 12;  ///< at most, 1 to 1000
   /// What standard deviations are multiplied by: fit_calibration.h.
@@ -69,7 +70,10 @@ struct ModelFit {
   double surfaceDistance = 0;  ///< mean, of the surface's samples from the closest point of the fit
   double unseen = 0;           ///< share of the landmarks that no part of the surface is near to
   double unexplained = 0;      ///< share of the samples that no part of the model is near to
-  int starts = 1;              ///< poses that the fit was tried from
+  /// Of shape and pose, but for a constant: with one noise for all, so that fits of the same model
+  /// can be compared.
+  double logPosterior = 0;
+  int starts = 1;  ///< poses that the fit was tried from
 
   /// From the model's frame to the surface's.
   Eigen::Matrix4d pose() const;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-only
+#include "vcg_ext/fitting/mirrored_fit.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "vcg_ext/base/error.h"
+
+namespace sphere_propagation {
+namespace {
+
+constexpr Eigen::Index observed = 250;  // landmarks; the samples are thinned alike
+constexpr int iterations = 8;
+
+}  // namespace
+
+double advantageOfMirrorImage(const FittingModel& model, const FittingTarget& target,
+                              const ModelFit& fit, bool scales, ThreadPool& pool) {
+  ModelFitParameters parameters;
+  parameters.scales = scales;
+  parameters.iterations = iterations;
+  parameters.thinning = static_cast<int>(std::max<Eigen::Index>(1, model.mean().rows() / observed));
+  parameters.pose = RigidMotion{fit.rotation, fit.translation};
+  parameters.scale = fit.scale;
+  const double itself = fitModel(model, target, pool, parameters).logPosterior;
+  parameters.pose = std::nullopt;
+  try {
+    return fitModel(model, target.mirrored(), pool, parameters).logPosterior - itself;
+  } catch (const SurfaceError&) {
+    return -std::numeric_limits<double>::infinity();
+  }
+}
+
+}  // namespace sphere_propagation
