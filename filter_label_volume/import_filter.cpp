@@ -378,6 +378,10 @@ class ImportFilter : public host::Filter {
         (surface.vertices.colwise().maxCoeff() - surface.vertices.colwise().minCoeff()).maxCoeff();
     if (length < shortest || length > longest)
       remarks.add(name, volume_messages::oddExtent, length, surface.voxelSize);
+    for (const BorderContact& border : surface.borders)
+      remarks.add(name, volume_messages::cutByBorder,
+                  std::string(1, "ijk"[border.axis]) + " = " + std::to_string(border.index),
+                  std::lround(100 * border.share));
   }
 
   /// How much of what was kept of the label its surface does not enclose.

@@ -199,6 +199,34 @@ def test_one_whose_side_nobody_can_tell_does_not_hide_the_mirrored():
     assert list(likeness.found_in(said, 3)) == ["a"]
 
 
+def test_the_mirror_image_of_another_subject_and_doubts_are_named():
+    others = [hand(seed) for seed in range(5)]
+    known = [sp.Surface(h.vertices, h.faces, f"reference {k}") for k, h in enumerate(others)]
+    image = sp.Surface(others[2].vertices * [-1, 1, 1], others[2].faces[:, ::-1], "h05")
+    found = likeness.judge(image, known, sp.parameterise_root(known[0]), True)
+    assert (
+        {"mirror image of another"}
+        <= {one["kind"] for one in found}
+        <= {
+            "mirror image of another",
+            "mirrored",
+        }
+    )
+    assert any(
+        "the exact mirror image of another subject: the same" in one["text"] for one in found
+    )
+    said = (
+        "its mirror image is nearer than itself to 3 of the 5 layers that it was compared with, "
+        "while the others agree: is it a left one among right ones? That is not certain, and it "
+        "is left as it is; look at it."
+    )
+    doubt = sp.SpherePropagationWarning.of("a", said, ["a"], "mirrorDoubt")
+    other = sp.SpherePropagationWarning.of("b", "it is so.", ["b"], "mirrorImage")
+    ((one,),) = likeness.asked_of([doubt, other], 8).values()
+    assert one["kind"] == "perhaps mirrored" and "5 subjects that" in one["text"]
+    assert one["text"].endswith("That is not certain: look at it") and "left as" not in one["text"]
+
+
 def test_where_sides_cannot_be_told_nobody_is_called_mirrored(done):
     """Phantoms of ventricles are nearly their own mirror images."""
     assert not any(of.get("odd") for of in records(done[1]).values())

@@ -28,6 +28,11 @@ def imported(path, **parameters):
     return ms, ms.apply_filter(IMPORT, file_name=str(path), **parameters)
 
 
+def remarks_called(message, returned):
+    remarks = json.loads(bytes(map(int, returned.get("warnings", b"[]"))).decode())
+    return [remark for remark in remarks if remark["message"] == message]
+
+
 def written(folder, name, data):
     path = folder / name
     path.write_bytes(data)
@@ -601,9 +606,40 @@ def test_an_end_that_lies_off_is_named(tmp_path, shift, hole):
     cup = (off < radius) & (off >= hole * radius * (k > 3)) & (k > 1) & (k < 12)
     path = written(tmp_path, "cup.nii", files.nifti(cup.astype("u1"), np.diag([1.4, 1.4, 10, 1])))
     _, returned = imported(path)
-    remarks = json.loads(bytes(map(int, returned.get("warnings", b"[]"))).decode())
-    said = [r["text"] for r in remarks if r["message"] == "farEnds"]
+    said = [remark["text"] for remark in remarks_called("farEnds", returned)]
     assert ["slice 11 by 19" in text for text in said] == [True] * (shift > 0)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("end", ["first", "last"])
+@pytest.mark.parametrize("thick", [1, 5])
+def test_a_label_cut_off_by_the_border_is_named(tmp_path, axis, end, thick):
+    """An egg in a volume that ends at a quarter of its length, in two phases; trimmed to it, none
+    is named, nor where an apex touches the border."""
+    steps = np.array([1, 1, thick])
+    i, j, k = np.meshgrid(*map(np.arange, 60 // steps), indexing="ij")
+    egg = [
+        (i - 30) ** 2 / radius**2 + (j - 30) ** 2 / 18**2 + (thick * k - 29) ** 2 / 24**2 < 1
+        for radius in (20, 16)
+    ]
+    labels = np.stack(egg, -1).astype("u1")
+    box = [slice(c.min(), c.max() + 1) for c in np.nonzero(labels.any(-1))]
+    trimmed = labels[tuple(box)]
+    affine = np.diag([*steps, 1.0])
+    _, returned = imported(written(tmp_path, "trimmed.nii", files.nifti(trimmed, affine)))
+    assert remarks_called("cutByBorder", returned) == []
+    length = trimmed.shape[axis]
+    quarter = round(length / 4)
+    part = slice(quarter, None) if end == "first" else slice(None, length - quarter)
+    cut = trimmed[(*[slice(None)] * axis, part)]
+    _, returned = imported(written(tmp_path, "cut.nii", files.nifti(cut, affine)))
+    (said,) = remarks_called("cutByBorder", returned)
+    index = 0 if end == "first" else cut.shape[axis] - 1
+    sections = cut.sum(tuple({0, 1, 2} - {axis}), dtype=int)
+    shares = sorted(round(100 * one[index] / one.max()) for one in sections.T)
+    shares = shares if shares[0] < shares[1] else shares[:1]
+    words = f"at {'ijk'[axis]} = {index} with {' to '.join(map(str, shares))} % of its widest"
+    assert words in said["text"] and len(said["layers"]) == 2
 
 
 def test_cine_with_thick_slices():

@@ -24,6 +24,16 @@ struct UnevenSlice {
   Eigen::Vector2i voxels = Eigen::Vector2i::Zero();  ///< the same along the other two axes
 };
 
+/// A border of the volume that the labels run into with much of their widest section along that
+/// axis (over .35; across slices far apart over .5): more than where a volume was trimmed to them,
+/// so they may be cut off there.
+struct BorderContact {
+  int axis = 0;      ///< of the volume: 0, 1, 2 for i, j, k
+  int index = 0;     ///< along it: 0 or the last one
+  long voxels = 0;   ///< with the labels, there
+  double share = 0;  ///< of the widest section
+};
+
 /// The voxels with the labels, cut out and turned so that slices lie along the last axis.
 struct SliceStack {
   Mask mask;  ///< its border is outside
@@ -35,6 +45,7 @@ struct SliceStack {
   double labelVolume = 0;           ///< of the voxels with the labels, mm^3
   double voxelSize = 0;             ///< of the working grid, mm
   bool betweenSlices = false;       ///< whether shape-based interpolation is called for
+  std::vector<BorderContact> borders;
 
   /// These shifts of slices of the mask, as they are told.
   std::vector<UnevenSlice> uneven(const std::vector<SliceShift>& shifts) const;
@@ -64,6 +75,7 @@ struct InterpolatedLabels {
                                      ///< line through the two next to them, by so much (over 12 mm
                                      ///< and half a radius), and by over three tenths beside the
                                      ///< next one: shifted, or the organ bends; they stay
+  std::vector<BorderContact> borders;
   LabelStack stack;
   bool betweenSlices =
       false;  ///< whether the slices lie so far apart that shape-based interpolation was called for

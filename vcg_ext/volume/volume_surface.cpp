@@ -152,6 +152,7 @@ WorkingVolume workingVolumeOf(InterpolatedLabels field, const VolumeSurfaceParam
   if (result.workingVoxels == 0) throw VolumeError(Finding(Fault::TooThin).at(result.voxelSize));
   result.unevenSlices = volume.field.unevenSlices;
   result.farEnds = volume.field.farEnds;
+  result.borders = volume.field.borders;
   result.slices = labelledSlices(volume.field.stack);
   if (parameters.keepLargestComponent) {
     result.dropped = keepLargestPart(mask);

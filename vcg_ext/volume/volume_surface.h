@@ -38,6 +38,7 @@ struct VolumeSurface {
   std::vector<int> lostSlices;  ///< indices of slices at least half of which was dropped
   std::vector<UnevenSlice> unevenSlices;
   std::vector<UnevenSlice> farEnds;  ///< as of InterpolatedLabels
+  std::vector<BorderContact> borders;
   std::vector<int> apartSlices;  ///< indices of those that lie otherwise than in the other phases
                                  ///< of the sequence (PhaseAlignment)
   int sliceSequence = 0;         ///< as PhaseAlignment::sequence

@@ -121,6 +121,7 @@ def _made(
             continue
         unlike = _unlike(found, said)
         if not unlike or 2 * len(unlike) >= len(found):  # the half accuses nobody
+            odd.update(likeness.asked_of(said, len(found)))
             return replace(made, sided=likeness.has_sides(said, len(found)), odd=odd), said
         odd.update(unlike)
         for name, its in unlike.items():

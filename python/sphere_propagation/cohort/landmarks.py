@@ -136,6 +136,8 @@ def subject_landmarks(
         table[name] = [int(v) if name in COUNTS else store.figure(v) for v in values]
     for name in ("surface_distance_mean", "surface_distance_max"):
         table[name] = [store.figure(value) for value in made_here.figures[name]]
+    kinds = {one["kind"] for one in odd}
+    of_atlas = [one for one in made.odd.get(record["subject"], ()) if one["kind"] not in kinds]
     return {
         "phases": phases,
         "names": list(record["names"]),
@@ -145,7 +147,7 @@ def subject_landmarks(
         "vertices": [len(surface.vertices) for surface in surfaces],
         **table,
         **more,
-        "odd": [*(odd or made.odd.get(record["subject"], ())), *likeness.of_phases(said)],
+        "odd": [*odd, *of_atlas, *likeness.of_phases(said)],
         "warnings": [*record["warnings"], *words_of(said)],
     }, made_here.points
 

@@ -22,6 +22,7 @@ from .study import KINDS
 
 UNIT, MIRRORED = KINDS  # what models can leave out
 SIZE = "another size"
+IMAGE, DOUBT = "mirror image of another", "perhaps mirrored"
 UNSURE = 0.25  # part of the frames whose side may be unknown in a study that has sides
 REFERENCES = 5  # frames of the atlas that a subject is compared with
 OF_SIZE = ("anotherUnit", "anotherUnitThanRoot", "anotherSize", "anotherSizeThanRoot")
@@ -59,11 +60,24 @@ def found_in(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, 
             and "mirroredRoot" not in messages
         ):
             one = _mirrored()
+        elif warning.message == "mirrorCopy":
+            one = {"kind": IMAGE, "text": _asked(warning)}
+        elif warning.message == "mirrorDoubt":
+            one = {"kind": DOUBT, "text": _asked(warning)}
         else:
             continue
         for name in warning.layers:
             odd.setdefault(name, []).append(one)
     return odd
+
+
+def asked_of(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, List[Oddity]]:
+    """What is odd, but may be right, and shows only where all are compared with each other."""
+    found = {
+        name: [one for one in its if one["kind"] in (IMAGE, DOUBT)]
+        for name, its in found_in(said, count).items()
+    }
+    return {name: its for name, its in found.items() if its}
 
 
 def _unit_and_factor(text: str) -> Tuple[str, str]:
@@ -110,6 +124,13 @@ def _mirrored() -> Oddity:
         "text": "it looks like a mirror image of the other subjects, a left one among right ones? "
         "Look at it; if it is, exclude it, or mirror its files where they were made",
     }
+
+
+def _asked(warning: SpherePropagationWarning) -> str:
+    """What a cohort's page says: of subjects, of which references are some."""
+    said = re.sub(r'"reference \d+"', "another subject", warning.said.rstrip("."))
+    said = said.replace("layers that it was compared with", "subjects that it was compared with")
+    return said.replace(", and it is left as it is; look at it", ": look at it")
 
 
 def references(frames: Sequence[Surface], landmarks: np.ndarray, root: int) -> np.ndarray:
