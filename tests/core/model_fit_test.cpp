@@ -130,9 +130,12 @@ TEST_F(ModelFitting, TellsAMirrorImage) {
   const auto advantage = [this](const Mesh& mesh) {
     return advantageOfMirrorImage(model_, target(mesh), fit(mesh, searching()), false, pool_);
   };
-  EXPECT_LT(advantage(right.mesh), -clearAdvantage);
-  EXPECT_GT(advantage(image), clearAdvantage);
-  EXPECT_NEAR(advantage(image), -advantage(right.mesh), 0.1 * advantage(image));
+  const double ofImage = advantage(image);
+  EXPECT_GT(ofImage, clearAdvantage);
+  if (underSanitizer()) return;
+  const double ofRight = advantage(right.mesh);
+  EXPECT_LT(ofRight, -clearAdvantage);
+  EXPECT_NEAR(ofImage, -ofRight, 0.1 * ofImage);
 }
 
 TEST_F(ModelFitting, CompletesAPartOfASurface) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/core/sizes.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_pool.h"
 #include "vcg_ext/base/error.h"
@@ -216,7 +217,7 @@ TEST(SimilarityTree, AFamilyOfEllipsoidsIsAChain) {
 TEST(SimilarityTree, OfManyIsNearlyTheShortest) {
   test::Random random(11);
   std::vector<ClosedSurface> surfaces;  // in no order, and on no line
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < test::sizeFor(60, 25); ++i) {
     Mesh mesh = test::icosphereMesh(6);
     mesh.vertices *=
         Vector3(30 + 12 * random.uniform(), 18 + 6 * random.uniform(), 10 + 4 * random.uniform())
