@@ -6,6 +6,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
     groupwise.py [DATA] [NAME ...]
     groupwise.py [DATA] --restored [NAME ...]
     groupwise.py [DATA] --measures NAME ...
+    groupwise.py [DATA] --skulls
     groupwise.py [DATA] --many N ...
 
     DATA    folder with classic and finch_skulls
@@ -14,6 +15,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
     --restored  propagated with area_restoration 1
     --measures  what compactness, generalisation and specificity say of one mode, between landmarks
             and between surfaces, of the truth, after propagation and after each objective
+    --skulls    what the model of the real skulls is said to be, between surfaces
     --many  what N shapes cost instead (warped hippocampi of 3000 vertices, of one mesh)
 
 Every shape is meshed anew, so that its vertices say nothing, with noise of a twentieth of the mean
@@ -234,6 +236,48 @@ def print_measures(data, measure, names):
             print("| " + " | ".join([f"{name}, {words}", *cells]) + " |", flush=True)
 
 
+def print_skulls(data):
+    """What is said of real shapes, whose truth nobody knows."""
+    print(
+        "| landmarks | generalisation, 1 mode | 2 | 4 | specificity, 4 modes | off the surface, "
+        "mean | worst | folded faces | least trust | CPU s |\n" + "| --- " * 10 + "|"
+    )
+    ways = {
+        "propagated": None,
+        "population model": {},
+        "population model, `surface_precision` 300": {"surface_precision": 300},
+        "description length": {"objective": "Description length"},
+    }
+    for words, parameters in ways.items():
+        meshes = pymeshlab.MeshSet()
+        for file in sorted((data / "finch_skulls").glob("*.ply")):
+            meshes.load_new_mesh(str(file))
+        project = propagated([(mesh.vertex_matrix(), mesh.face_matrix()) for mesh in meshes])
+        trust, seconds = np.ones(1), 0.0
+        if parameters is not None:
+            returned, seconds = cost_of(
+                project, "compute_spherical_parameterisation_groupwise", **parameters
+            )
+            trust = returned["trust"]
+        project.apply_filter("generate_icosphere_remeshing", frequency=FREQUENCY)
+        said = project.apply_filter(
+            "compute_statistical_shape_model",
+            alignment="Rigid",
+            modes=4,
+            mode_layers=0,
+            surface_measures=True,
+        )
+        figures = (
+            *said["surface_generalisation"][[0, 1, 3]],
+            said["surface_specificity"][3],
+            said["off_surface"].mean(),
+            said["off_surface"].max(),
+        )
+        cells = [words, *(f"{figure:.3f}" for figure in figures)]
+        cells += [f"{said['folded_faces'].sum():.0f}", f"{trust.min():.2f}", f"{seconds:.1f}"]
+        print("| " + " | ".join(cells) + " |", flush=True)
+
+
 def print_costs(data, measure, counts):
     """CPU seconds by number of shapes."""
     vertex, faces = measure.read_ply(data / "classic/hippocampus.ply")
@@ -270,6 +314,9 @@ def main():
     pymeshlab.load_plugin(str(PLUGIN))
     if names[:1] == ["--measures"]:
         print_measures(data, measure, names[1:])
+        return
+    if names[:1] == ["--skulls"]:
+        print_skulls(data)
         return
     if names[:1] == ["--many"]:
         print_costs(data, measure, names[1:])

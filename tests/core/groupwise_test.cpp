@@ -22,6 +22,7 @@
 #include "vcg_ext/groupwise/population_pose.h"
 #include "vcg_ext/groupwise/sphere_fields.h"
 #include "vcg_ext/mesh/icosphere.h"
+#include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/remeshing/remeshing.h"
 #include "vcg_ext/sphere/certificate.h"
 
@@ -453,6 +454,39 @@ TEST(OpenedMaps, WhatAllMapsSqueezeIsNoLoss) {
   const std::vector<OpenedMap> opened = openedMaps(maps, pool);
   for (size_t k = 0; k < maps.size(); ++k)
     EXPECT_LT(opened[k].squeezed, 0.3 * squeezedShare(maps[k], 3));
+}
+
+TEST(PopulationPose, ShapesAreLaidOnTheMeanToSayHowFarTheyAre) {
+  const Mesh sphere = test::icosphereMesh(4);
+  Points body = sphere.vertices * Eigen::DiagonalMatrix<double, 3>(3, 2, 1);
+  const PopulationPose pose = poseOf({body, body}, sphere.faces, Alignment::None);
+  const Points normals = vertexNormals(body, sphere.faces);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  const Points turned = (body * turn.transpose()).rowwise() + Eigen::RowVector3d(4, 5, 6),
+               turnedNormals = normals * turn.transpose();
+  EXPECT_LT(distanceAlongNormals(pose, turned, turnedNormals, Alignment::Rigid), 1e-12);
+  EXPECT_GT(distanceAlongNormals(pose, turned, turnedNormals, Alignment::None), 1);
+  EXPECT_LT(distanceAlongNormals(pose, 2 * turned, turnedNormals, Alignment::Similarity), 1e-12);
+  EXPECT_GT(distanceAlongNormals(pose, 2 * turned, turnedNormals, Alignment::Rigid), 0.5);
+  EXPECT_NEAR(distanceAlongNormals(pose, body + 0.1 * normals, normals, Alignment::None), 0.1,
+              1e-12);
+}
+
+// Half of a body is blown up: its areas differ from the others', and its map is right.
+TEST(Groupwise, AreasThatDifferBecauseShapesDoAreNoLoss) {
+  if (test::underSanitizer()) GTEST_SKIP() << "runs what others run";
+  const Family family(8);
+  std::vector<MappedSurface> maps = family.mapped(0);
+  Points blown = maps[3].surface().vertices();
+  for (Eigen::Index i = 0; i < blown.rows(); ++i)
+    if (const double z = maps[3].positions()(i, 2); z > 0.5) blown.row(i) *= 1 + 3 * (z - 0.5);
+  maps[3] = {maps[3].surface().withVertices(blown), maps[3].positions()};
+  ThreadPool pool(1);
+  ASSERT_GT(openedMaps(maps, pool)[3].squeezed, 0.1);
+  GroupwiseParameters parameters = sized();
+  parameters.alignment = Alignment::None;
+  EXPECT_EQ(optimiseGroupwise(maps, pool, parameters).shapes[3].squeezed, 0);
 }
 
 TEST(Groupwise, FindsWhatPropagationSqueezed) {

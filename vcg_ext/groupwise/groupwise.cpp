@@ -19,7 +19,8 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double longestMove = 0.5;  // of a landmark in one flow, in widths of the fields
+constexpr double nearlyAsClose = 1.05;  // of what opening makes of a map, to the closest
+constexpr double longestMove = 0.5;     // of a landmark in one flow, in widths of the fields
 
 // Of the population model.
 constexpr int fieldFrequency = 4;
@@ -40,17 +41,17 @@ constexpr double lengthDamping = 0.05, noiseVariance = 1e-4;
 
 class Population {
  public:
-  Population(const std::vector<OpenedMap>& surfaces, const GroupwiseParameters& parameters,
+  Population(const std::vector<MappedSurface>& surfaces, const GroupwiseParameters& parameters,
              ThreadPool& pool)
       : parameters_(parameters),
         pool_(pool),
         sphere_(std::make_shared<const Icosphere>(icosphere(parameters.frequency))) {
     double area = 0;
-    for (const OpenedMap& surface : surfaces)
-      area += faceAreas(surface.map.surface().vertices(), surface.map.faces()).sum();
+    for (const MappedSurface& surface : surfaces)
+      area += faceAreas(surface.surface().vertices(), surface.faces()).sum();
     radius_ = radiusOfSphere(area / static_cast<double>(surfaces.size()));
     shapes_ = pool.makeEach(static_cast<int>(surfaces.size()), [&](int k) {
-      const MappedSurface& given = surfaces[static_cast<size_t>(k)].map;
+      const MappedSurface& given = surfaces[static_cast<size_t>(k)];
       return std::make_unique<MovingLandmarks>(given.of(scaled(given.surface())), sphere_);
     });
   }
@@ -109,6 +110,49 @@ class Population {
   double radius_ = 1;
   std::vector<std::unique_ptr<MovingLandmarks>> shapes_;
 };
+
+/// Maps that begin what is optimised, and the share of each surface that was opened.
+struct Start {
+  std::vector<MappedSurface> maps;
+  std::vector<double> opened;
+};
+
+/// Areas that differ because shapes do are no loss, and who opens them leads landmarks away from
+/// the others. So of what opening makes of a map that is taken which opens most and brings the
+/// shape to the mean of the maps that came, along its normals, nearly as close as any.
+Start startOf(const std::vector<MappedSurface>& given, const GroupwiseParameters& parameters,
+              ThreadPool& pool) {
+  const std::vector<OpenedMap> opened = openedMaps(given, pool);
+  Start start{given, std::vector<double>(given.size(), 0)};
+  if (std::all_of(opened.begin(), opened.end(),
+                  [](const OpenedMap& one) { return one.squeezed == 0; }))
+    return start;
+  std::vector<MappedSurface> most, pockets;
+  for (const OpenedMap& one : opened) {
+    most.push_back(one.map);
+    pockets.push_back(one.pockets);
+  }
+  const Population whole(given, parameters, pool);
+  const PopulationPose pose = whole.pose();
+  const auto distancesOf = [&](const Population& population) {
+    const std::vector<Points> points = population.points(), normals = population.normals();
+    return pool.makeEach(population.count(), [&](int k) {
+      const auto i = static_cast<size_t>(k);
+      return distanceAlongNormals(pose, points[i], normals[i], parameters.alignment);
+    });
+  };
+  const std::vector<double> asGiven = distancesOf(whole),
+                            ofPockets = distancesOf(Population(pockets, parameters, pool)),
+                            ofMost = distancesOf(Population(most, parameters, pool));
+  for (size_t k = 0; k < given.size(); ++k) {
+    if (opened[k].squeezed == 0) continue;
+    const double enough = nearlyAsClose * std::min({asGiven[k], ofPockets[k], ofMost[k]});
+    if (ofMost[k] > enough && ofPockets[k] > enough) continue;
+    start.maps[k] = ofMost[k] <= enough ? most[k] : pockets[k];
+    start.opened[k] = opened[k].squeezed;
+  }
+  return start;
+}
 
 double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -208,9 +252,9 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
   requireValid(parameters);
   requireRange("number of shapes", static_cast<double>(surfaces.size()),
                Range::atLeast(minGroupwiseShapes));
-  const std::vector<OpenedMap> opened = openedMaps(surfaces, pool);
+  const Start start = startOf(surfaces, parameters, pool);
   report(progress, 0.05);
-  Population population(opened, parameters, pool);
+  Population population(start.maps, parameters, pool);
   const int count = population.count();
   const std::vector<Points> first = population.points();
   const double radius = population.radius();
@@ -263,8 +307,7 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     const Eigen::VectorXd moved = (last[i] - first[i]).rowwise().norm();
     result.shapes.push_back({maps[i].map.of(surfaces[i].surface()),
                              radius * moved.dot(pose.weights), radius * residuals[k],
-                             maps[i].repairedFaces, maps[i].share, pose.trust[k],
-                             opened[i].squeezed});
+                             maps[i].repairedFaces, maps[i].share, pose.trust[k], start.opened[i]});
   }
   report(progress, 1);
   return result;

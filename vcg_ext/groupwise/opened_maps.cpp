@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vcg_ext/area/area_restoration.h"
 
@@ -10,12 +11,12 @@ namespace sphere_propagation {
 namespace {
 
 constexpr double usualBound = 3;
-constexpr double none = 0.005, few = 0.01, pockets = 0.05, lost = 0.15;  // of the surface
+constexpr double none = 0.005, few = 0.01, pocketsOnly = 0.05, lost = 0.15;  // of the surface
 
 /// usual: at least usualBound; squeezed: above none.
 double boundFor(double squeezed, double usual) {
   if (squeezed < few) return usual * (few - none) / (squeezed - none);
-  const double how = std::clamp((squeezed - pockets) / (lost - pockets), 0.0, 1.0);
+  const double how = std::clamp((squeezed - pocketsOnly) / (lost - pocketsOnly), 0.0, 1.0);
   return usual * std::pow(usualBound, -how);
 }
 
@@ -29,8 +30,10 @@ std::vector<OpenedMap> openedMaps(const std::vector<MappedSurface>& maps, Thread
   return pool.makeEach(count, [&](int k) -> OpenedMap {
     const MappedSurface& map = maps[static_cast<size_t>(k)];
     const double squeezed = squeezedShare(map, usual);
-    if (!(squeezed > none)) return {map, 0};
-    return {boundAreas(map, boundFor(squeezed, usual)), squeezed};
+    if (!(squeezed > none)) return {map, map, 0};
+    MappedSurface opened = boundAreas(map, boundFor(squeezed, usual));
+    MappedSurface pockets = squeezed > pocketsOnly ? boundAreas(map, usual) : opened;
+    return {std::move(opened), std::move(pockets), squeezed};
   });
 }
 

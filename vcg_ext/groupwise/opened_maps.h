@@ -12,7 +12,8 @@ namespace sphere_propagation {
 
 struct OpenedMap {
   MappedSurface map;
-  double squeezed = 0;  ///< share of the surface that was, on the map that came
+  MappedSurface pockets;  ///< opened no further than where pockets alone are lost
+  double squeezed = 0;    ///< share of the surface that was, on the map that came
 };
 
 /// Propagation loses parts of surfaces: a pocket that the parent shows otherwise ends as a crack of
@@ -27,7 +28,8 @@ struct OpenedMap {
 /// percent come back bit for bit, and from there to a percent the bound comes down from infinity,
 /// so that nothing begins with a jump. Where even the best map of the population squeezes more than
 /// a hundredth, as all do whose root had no even areas, the factor is what that map needs in place
-/// of three: what all have in common is no loss.
+/// of three: what all have in common is no loss. Whether a map is better for it, the others tell
+/// (groupwise.cpp).
 std::vector<OpenedMap> openedMaps(const std::vector<MappedSurface>& maps, ThreadPool& pool);
 
 }  // namespace sphere_propagation

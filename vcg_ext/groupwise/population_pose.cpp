@@ -288,4 +288,22 @@ PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector
                                                                                     : turned.pose;
 }
 
+double distanceAlongNormals(const PopulationPose& pose, const Points& landmarks,
+                            const Points& normals, Alignment alignment) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Points gaps = pose.mean - landmarks;
+  if (alignment != Alignment::None) {
+    const Points from = landmarks.rowwise() - centreOf(landmarks, pose.weights),
+                 to = pose.mean.rowwise() - centreOf(pose.mean, pose.weights);
+    const Points weighted = pose.weights.asDiagonal() * from;
+    turn = bestRotation(to.transpose() * weighted);
+    if (alignment == Alignment::Similarity)
+      turn *= sizeOf(pose.mean, pose.weights) / sizeOf(landmarks, pose.weights);
+    gaps = to - from * turn.transpose();
+  }
+  const Points turned = (normals * turn.transpose()).rowwise().normalized();
+  const Eigen::VectorXd along = gaps.cwiseProduct(turned).rowwise().sum();
+  return std::sqrt(along.cwiseAbs2().dot(pose.weights));
+}
+
 }  // namespace sphere_propagation

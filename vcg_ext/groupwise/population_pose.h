@@ -58,4 +58,9 @@ PopulationPose poseBySurfaces(const std::vector<Points>& landmarks,
 PopulationPose firstPose(const std::vector<Points>& landmarks, const std::vector<Points>& normals,
                          const Triangles& faces, Alignment alignment, ThreadPool& pool);
 
+/// How far a shape, laid on the mean of a pose by Procrustes alignment, is from it along its own
+/// normals: root mean square by the pose's weights.
+double distanceAlongNormals(const PopulationPose& pose, const Points& landmarks,
+                            const Points& normals, Alignment alignment);
+
 }  // namespace sphere_propagation
