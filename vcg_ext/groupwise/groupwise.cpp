@@ -19,7 +19,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr double nearlyAsClose = 1.05;  // of what opening makes of a map, to the closest
+constexpr double nearlyAsClose = 1.25;  // of what opening makes of a map, to the closest
 constexpr double longestMove = 0.5;     // of a landmark in one flow, in widths of the fields
 
 // Of the population model.
