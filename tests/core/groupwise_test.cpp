@@ -473,22 +473,6 @@ TEST(PopulationPose, ShapesAreLaidOnTheMeanToSayHowFarTheyAre) {
               1e-12);
 }
 
-// Half of a body is blown up: its areas differ from the others', and its map is right.
-TEST(Groupwise, AreasThatDifferBecauseShapesDoAreNoLoss) {
-  if (test::underSanitizer()) GTEST_SKIP() << "runs what others run";
-  const Family family(8);
-  std::vector<MappedSurface> maps = family.mapped(0);
-  Points blown = maps[3].surface().vertices();
-  for (Eigen::Index i = 0; i < blown.rows(); ++i)
-    if (const double z = maps[3].positions()(i, 2); z > 0.5) blown.row(i) *= 1 + 3 * (z - 0.5);
-  maps[3] = {maps[3].surface().withVertices(blown), maps[3].positions()};
-  ThreadPool pool(1);
-  ASSERT_GT(openedMaps(maps, pool)[3].squeezed, 0.1);
-  GroupwiseParameters parameters = sized();
-  parameters.alignment = Alignment::None;
-  EXPECT_EQ(optimiseGroupwise(maps, pool, parameters).shapes[3].squeezed, 0);
-}
-
 TEST(Groupwise, FindsWhatPropagationSqueezed) {
   if (test::underSanitizer()) GTEST_SKIP() << "runs what others run";
   const Family family(8);
