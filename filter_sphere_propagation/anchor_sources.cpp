@@ -7,6 +7,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "filter_sphere_propagation/messages.h"
 #include "filter_sphere_propagation/reporting.h"
@@ -86,14 +87,47 @@ AnchorSet AnchorSources::read(const std::string& file, const host::Layer& layer,
 }
 
 AnchorSet AnchorSources::beside(const host::Layer& layer) {
-  for (const std::string& file : anchorFilesBeside(layer.fileName())) {
+  const std::vector<std::string> files = anchorFilesBeside(layer.fileName());
+  for (auto file = files.begin(); file != files.end(); ++file) {
     try {
-      return read(file, layer, false);
+      AnchorSet anchors = read(*file, layer, false);
+      if (!anchors.empty())
+        for (auto other = std::next(file); other != files.end(); ++other)
+          compare(layer, *file, anchors, *other);
+      return anchors;
     } catch (const AnchorError& error) {
       task_.sayOf(layer, messages::anchorsNotRead, host::sentence(error));
     }
   }
   return {};
+}
+
+/// Says where another file beside the layer's own puts the same anchors elsewhere.
+void AnchorSources::compare(const host::Layer& layer, const std::string& taken,
+                            const AnchorSet& anchors, const std::string& other) const {
+  AnchorList list;
+  try {
+    list = readAnchors(other);
+  } catch (const AnchorError&) {
+    return;  // of somebody else
+  }
+  const Distances distances(layer);
+  const auto elsewhere = [&](const AnchorSet& its) {
+    std::vector<std::string> names;
+    for (const auto& [name, place] : its)
+      if (const auto same = anchors.find(name);
+          same != anchors.end() && distances.inEdges(place - same->second) > onePlace)
+        names.push_back(name);
+    return names;
+  };
+  std::vector<std::string> names = elsewhere(inFrame(list.anchors, layer, frame_));
+  if (list.fromLps && !names.empty())
+    if (std::vector<std::string> asWritten =
+            elsewhere(inFrame(turnedRound(list.anchors), layer, frame_));
+        asWritten.size() < names.size())
+      names = std::move(asWritten);
+  if (!names.empty())
+    task_.sayOf(layer, messages::anchorFilesContradict, namesIn(names), taken, other);
 }
 
 void AnchorSources::sayWhichAsWritten() const {

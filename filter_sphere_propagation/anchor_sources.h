@@ -52,6 +52,8 @@ class AnchorSources {
 
  private:
   AnchorSet read(const std::string& file, const host::Layer& layer, bool isAsked);
+  void compare(const host::Layer& layer, const std::string& taken, const AnchorSet& anchors,
+               const std::string& other) const;
 
   const host::Task& task_;
   AnchorFrame frame_;

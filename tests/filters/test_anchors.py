@@ -259,6 +259,32 @@ def test_propagation_looks_beside_the_meshes_and_into_a_folder(tmp_path):
     assert said["text"].startswith(f'the anchors "apex", "base", "left side" of "{other}" are not')
 
 
+def test_of_two_files_beside_a_mesh_the_first_counts_and_contradictions_are_named(tmp_path):
+    ms = saved(tmp_path)
+    for i in range(3):
+        points = places(ms.mesh(i))
+        pick_points(tmp_path / f"phase_{i}_picked_points.pp", points)
+        if i == 1:
+            points["apex"] = points["apex"] + 1
+        points["new"] = points["base"]
+        control = [
+            {"label": name, "position": list(map(float, p)), "positionStatus": "defined"}
+            for name, p in points.items()
+        ]
+        markups = {"type": "Fiducial", "coordinateSystem": "RAS", "controlPoints": control}
+        (tmp_path / f"phase_{i}.mrk.json").write_text(json.dumps({"markups": [markups]}))
+    ms.apply_filter(ROOT)
+    returned = ms.apply_filter(PROPAGATE)
+    assert bytes(map(int, returned["anchor_names"])).decode().split("\n")[0] == "apex"
+    assert b"new" not in bytes(map(int, returned["anchor_names"]))
+    picked = places(ms.mesh(1))["apex"]
+    assert np.abs(returned["anchor_places"].reshape(3, 3, 3)[1, 0] - picked).max() < 1e-4
+    (said,) = (r for r in remarks(returned) if r["message"] == "anchorFilesContradict")
+    assert said["layers"] == [ms.mesh(1).label()]
+    first, second = (said["text"].index(end) for end in ("_picked_points.pp", ".mrk.json"))
+    assert '"apex"' in said["text"] and '"base"' not in said["text"] and first < second
+
+
 def test_names_that_are_exchanged_are_refused_or_named():
     ms = turning(2)
     first, second = (
@@ -278,10 +304,11 @@ def test_names_that_are_exchanged_are_refused_or_named():
     with pytest.raises(pymeshlab.PyMeshLabException, match='"p100" and "p5".*change places'):
         swapped.apply_filter(PROPAGATE, anchors="Exact")
     assert not has_attribute(swapped.mesh(1))
-    said = [r["text"] for r in remarks(swapped.apply_filter(PROPAGATE))]
-    assert any(
-        '"p100" and "p5" fit much better with their names exchanged' in text for text in said
-    )
+    for method in ("Robust", "As published"):
+        said = [r["text"] for r in remarks(swapped.apply_filter(PROPAGATE, method=method))]
+        assert any(
+            '"p100" and "p5" fit much better with their names exchanged' in text for text in said
+        )
 
 
 def test_names_that_are_exchanged_in_turn_are_named():
@@ -296,11 +323,13 @@ def test_names_that_are_exchanged_in_turn_are_named():
         ms.add_mesh(copy, f"egg {i}")
     ms.set_current_mesh(0)
     ms.apply_filter(ROOT)
-    said = [r["text"] for r in remarks(ms.apply_filter(PROPAGATE))]
-    assert any(
-        text.startswith('its anchors "p100", "p230", "p5" fit much better') and "in turn" in text
-        for text in said
-    )
+    for method in ("As published", "Robust"):
+        said = [r["text"] for r in remarks(ms.apply_filter(PROPAGATE, method=method))]
+        assert any(
+            text.startswith('its anchors "p100", "p230", "p5" fit much better')
+            and "in turn" in text
+            for text in said
+        )
     assert not any("standard deviations" in text and "p5" in text for text in said)
 
 

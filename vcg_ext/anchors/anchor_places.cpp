@@ -10,6 +10,17 @@ std::vector<size_t> AnchorPlaces::of(size_t surface) const {
   return there;
 }
 
+std::vector<std::vector<size_t>> AnchorPlaces::named(
+    size_t surface, const std::vector<std::vector<int>>& lists) const {
+  const std::vector<size_t> there = of(surface);
+  std::vector<std::vector<size_t>> named;
+  for (const std::vector<int>& list : lists) {
+    named.emplace_back();
+    for (const int k : list) named.back().push_back(there[static_cast<size_t>(k)]);
+  }
+  return named;
+}
+
 std::vector<SurfacePoint> closestPoints(const SurfaceLocator& surface, const AnchorSet& anchors,
                                         const std::vector<std::string>& names) {
   std::vector<SurfacePoint> points(names.size());

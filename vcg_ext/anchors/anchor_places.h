@@ -21,6 +21,9 @@ struct AnchorPlaces {
   bool has(size_t surface, size_t anchor) const { return points[surface][anchor].face >= 0; }
   /// The numbers of the anchors that a surface has.
   std::vector<size_t> of(size_t surface) const;
+  /// Lists of numbers among those that a surface has, as numbers among all names.
+  std::vector<std::vector<size_t>> named(size_t surface,
+                                         const std::vector<std::vector<int>>& lists) const;
 };
 
 /// What became of a surface's anchors: one number per name, NaN where it lacks that anchor or where

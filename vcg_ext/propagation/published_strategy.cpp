@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/propagation/published_strategy.h"
 
+#include <utility>
+
 #include "vcg_ext/base/stopwatch.h"
+#include "vcg_ext/propagation/motion/motion_anchors.h"
+#include "vcg_ext/propagation/motion/motion_model.h"
 
 namespace sphere_propagation {
 
@@ -20,6 +24,34 @@ std::vector<NodeAt> anchorsOf(const PropagationTask& task, size_t layer) {
                      ofRoot.interpolate(task.root.faces(), task.root.positions()).normalized()});
   }
   return nodes;
+}
+
+/// By layer, the anchors whose names are exchanged in all likelihood. The method has no prior that
+/// could tell, so method Robust's fixed one does, along motions that fit it and the anchors alone.
+std::vector<std::vector<std::vector<size_t>>> exchangedAnchors(
+    const PropagationTask& task, const std::vector<SurfacePose>& byAnchors) {
+  std::vector<std::vector<std::vector<size_t>>> exchanged(task.tree.parent.size());
+  if (task.anchors.empty()) return exchanged;
+  const Sequence laid = laidInRootsFrame(
+      task.sequence, findSurfacePoses(task.sequence, task.tree, task.pool, byAnchors));
+  const MotionModel model(task.root);
+  const MotionAnchors held(model, laid, task.tree.root(), task.root, task.anchors,
+                           task.anchorDeviations);
+  const MotionPrior prior = fixedMotionPrior();
+  std::vector<Eigen::VectorXd> motion(exchanged.size(),
+                                      Eigen::VectorXd::Zero(MotionBasis::columns));
+  for (const std::vector<int>& level : task.tree.levels())
+    for (const int layer : level) {
+      const auto t = static_cast<size_t>(layer);
+      if (layer == task.tree.root()) continue;
+      const Eigen::VectorXd before = motion[static_cast<size_t>(task.tree.parent[t])];
+      motion[t] = before;
+      const LayerAnchors* anchors = held.of(t);
+      if (anchors == nullptr) continue;
+      exchanged[t] = task.anchors.named(t, anchors->exchanged(before, prior));
+      if (exchanged[t].empty()) motion[t] += anchors->step(before, prior);
+    }
+  return exchanged;
 }
 
 }  // namespace
@@ -41,6 +73,11 @@ Propagation PublishedStrategy::propagate(const PropagationTask& task,
                                 anchorsOf(task, static_cast<size_t>(to)))
         .map;
   });
+  if (!task.anchors.empty()) {
+    std::vector<std::vector<std::vector<size_t>>> exchanged = exchangedAnchors(task, poses);
+    for (size_t i = 0; i < exchanged.size(); ++i)
+      result.layers[i].anchors.exchanged = std::move(exchanged[i]);
+  }
   // The maps are of the surfaces as they lie.
   for (size_t i = 0; i < poses.size(); ++i) {
     result.layers[i].pose = poses[i];

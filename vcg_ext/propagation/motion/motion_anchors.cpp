@@ -248,6 +248,8 @@ MotionAnchors::MotionAnchors(const MotionModel& model, const Sequence& sequence,
     layers_[t].emplace(std::move(rows), std::move(from), std::move(to), deviations[t],
                        0.5 * model.meanVertexArea());
   }
+  if (std::none_of(layers_.begin(), layers_.end(), [](const auto& its) { return its.has_value(); }))
+    layers_.clear();
 }
 
 }  // namespace sphere_propagation

@@ -77,6 +77,7 @@ class MotionAnchors {
                 const MappedSurface& map, const AnchorPlaces& places,
                 const std::vector<double>& deviations);
 
+  /// Also where none but the root has any: these say nothing.
   bool empty() const { return layers_.empty(); }
   /// Nothing where the surface has none, and for the root.
   const LayerAnchors* of(size_t layer) const {

@@ -77,10 +77,7 @@ std::vector<AnchorFigures> figuresOf(const PropagationTree& tree, const MotionAn
       figures[t].standardised[there[i]] = standardised[i];
     }
     figures[t].widening = anchors->widening(before, prior);
-    for (const std::vector<int>& turn : anchors->exchanged(before, prior)) {
-      figures[t].exchanged.emplace_back();
-      for (const int k : turn) figures[t].exchanged.back().push_back(there[static_cast<size_t>(k)]);
-    }
+    figures[t].exchanged = places.named(t, anchors->exchanged(before, prior));
   }
   return figures;
 }
@@ -127,7 +124,7 @@ FollowedMotion followMotion(const Sequence& sequence, const MappedSurface& root,
     if (closes) covariances = covariancesOfBothWays(cycle, fit, averaged, std::move(covariances));
   }
   std::vector<char> smoothed(motion.size(), 0);
-  if (parameters.smooths && learns && anchors.empty() && isPath(tree)) {
+  if (parameters.smooths && learns && held.empty() && isPath(tree)) {
     SmoothedMotion all =
         smoothMotion(model, sequence, tree.root(), arcsOf(tree, cycle, fit.lost), motion,
                      priorForAllAtOnce(prior), pool, parameters.uncertainty);
