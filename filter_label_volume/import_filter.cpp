@@ -503,6 +503,10 @@ class ImportFilter : public host::Filter {
                : host::remarkOn("", volume_messages::thinForItsVoxels, now, tried);
   }
 
+  static bool contains(const std::vector<int>& slices, int slice) {
+    return std::find(slices.begin(), slices.end(), slice) != slices.end();
+  }
+
   /// "slices 3 to 5, slice 11".
   static std::string slicesText(const std::vector<int>& slices) {
     std::string text;
@@ -552,17 +556,17 @@ class ImportFilter : public host::Filter {
     if (!aligned)
       uneven.erase(std::remove_if(uneven.begin(), uneven.end(),
                                   [&](const UnevenSlice& slice) {
-                                    const auto& lost = surface.lostSlices;
                                     return slice.shift < least ||
-                                           std::find(lost.begin(), lost.end(), slice.slice) !=
-                                               lost.end();
+                                           contains(surface.lostSlices, slice.slice);
                                   }),
                    uneven.end());
     if (!uneven.empty())
       remarks.add(name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
                   shiftsText(uneven));
-    if (!surface.farEnds.empty())
-      remarks.add(name, volume_messages::farEnds, shiftsText(surface.farEnds));
+    std::vector<UnevenSlice> ends;
+    for (const UnevenSlice& end : surface.farEnds)
+      if (!contains(surface.lostSlices, end.slice)) ends.push_back(end);
+    if (!ends.empty()) remarks.add(name, volume_messages::farEnds, shiftsText(ends));
   }
 
   /// "slice 6 in heart label 1 phases 0, 3; slice 8 in heart label 1 phase 1", and phases that do

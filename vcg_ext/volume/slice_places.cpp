@@ -15,6 +15,9 @@ namespace {
 constexpr double minMeeting = 0.4;  // of the smaller slice, that lies on the other
 constexpr size_t maxOutline = 200;  // points of an outline
 constexpr int firstStep = 4;        // of the search, voxels
+// A slice with less, and with less than this part of the widest one, is a speck.
+constexpr long speckVoxels = 8;
+constexpr double speckShare = 0.01;
 
 long turn(const Eigen::Vector2i& o, const Eigen::Vector2i& a, const Eigen::Vector2i& b) {
   return static_cast<long>(a[0] - o[0]) * (b[1] - o[1]) -
@@ -33,6 +36,7 @@ class Registration {
  public:
   explicit Registration(const Mask& mask)
       : mask_(mask), distance_(signedDistance(mask, Vector3::Ones(), 2)) {
+    std::vector<long> sizes;
     for (int k = 0; k < mask.size[2]; ++k) {
       Outline outline;
       outline.slice = k;
@@ -54,7 +58,16 @@ class Registration {
       for (size_t p = 0; p < outline.points.size(); p += every) some.push_back(outline.points[p]);
       outline.points = std::move(some);
       outlines_.push_back(std::move(outline));
+      sizes.push_back(voxels);
     }
+    if (sizes.empty()) return;
+    const auto limit =
+        speckShare * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
+    std::vector<Outline> kept;
+    for (size_t i = 0; i < sizes.size(); ++i)
+      if (sizes[i] >= speckVoxels || static_cast<double>(sizes[i]) >= limit)
+        kept.push_back(std::move(outlines_[i]));
+    outlines_ = std::move(kept);
   }
 
   std::vector<Outline>& outlines() { return outlines_; }

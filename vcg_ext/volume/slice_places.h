@@ -41,7 +41,8 @@ struct SlicePlace {
 /// Those of a mask, in order. Each is registered to the one before, in whole voxels: its outlines,
 /// holes filled, on the signed distance of the other, and the other way round; the mean absolute
 /// deviation from the median is least, so that tapering, notches and branches do not count. Slices
-/// meet where at least two fifths of the smaller hull lie on the other.
+/// meet where at least two fifths of the smaller hull lie on the other. Slices that hold a speck
+/// alone (fewer than eight voxels, and under a hundredth of the widest slice) are left out.
 ///
 /// Wants slices whose border is outside.
 std::vector<SlicePlace> slicePlaces(const Mask& mask);
