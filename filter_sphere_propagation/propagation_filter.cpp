@@ -498,17 +498,21 @@ class PropagationFilter : public host::Filter {
   /// What was found of left and right, besides what was reflected.
   static void warnOfSides(const host::Task& task, const Participants& participants,
                           const SurfaceSides& sides, bool mirrors) {
-    size_t mirrored = 0;
+    const auto mirrored =
+        static_cast<size_t>(std::count_if(sides.surfaces.begin(), sides.surfaces.end(),
+                                          [](const SurfaceSide& side) { return side.mirrored; }));
+    const bool rootIsOdd = 2 * mirrored > sides.surfaces.size();
     std::vector<std::string> inDoubt, unknown;
     for (size_t i = 0; i < sides.surfaces.size(); ++i) {
       const host::Layer& layer = participants.layers[i];
       const SurfaceSide& side = sides.surfaces[i];
-      if (side.mirrored) ++mirrored;
-      if (side.mirrored && !mirrors) task.sayOf(layer, messages::mirrorImage);
+      if (side.mirrored && !mirrors && !rootIsOdd) task.sayOf(layer, messages::mirrorImage);
       if (side.imageOf >= 0)
         task.sayOf(layer, messages::mirrorCopy,
                    participants.layers[static_cast<size_t>(side.imageOf)].label());
-      if (side.isDoubtful()) task.sayOf(layer, messages::mirrorDoubt, side.against, side.compared);
+      const bool isOddRoot = rootIsOdd && static_cast<int>(i) == participants.root;
+      if (side.isDoubtful() && !isOddRoot)
+        task.sayOf(layer, messages::mirrorDoubt, side.against, side.compared);
       if (!side.known) (side.inDoubt ? inDoubt : unknown).push_back(layer.label());
     }
     // Where none is mirrored those that are nearly their own mirror image need no look.
@@ -518,7 +522,7 @@ class PropagationFilter : public host::Filter {
       task.say(messages::noCommonSide, std::exp(*sides.noSide));
     else if (!unknown.empty())
       task.say(messages::noSideKnown, namesIn(unknown, unknown.size()));
-    if (2 * mirrored > sides.surfaces.size())
+    if (rootIsOdd)
       task.sayOf(participants.layers[static_cast<size_t>(participants.root)],
                  messages::mirroredRoot);
     if (!inDoubt.empty())

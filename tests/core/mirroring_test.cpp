@@ -302,6 +302,17 @@ TEST(Mirroring, AllPairsThatSaySomethingDecide) {
   EXPECT_EQ(decided(evidenceOf(5, {0, 0, 1, 0, -1, -1, 0, -1, -1, 1})), "-!!!!");
 }
 
+TEST(Mirroring, ARootThatIsTheOddOneInACycleIsFound) {
+  constexpr int count = 10;  // round a cycle, each with the two beside it
+  Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count);
+  for (int i = 0; i < count; ++i) {
+    const int j = (i + 1) % count;
+    evidence(i, j) = evidence(j, i) = i == 0 || j == 0 ? -0.4 : 0.4;
+  }
+  EXPECT_EQ(decided(evidence), "-mmmmmmmmm");
+  EXPECT_EQ(decided(evidence.cwiseAbs()), "----------");
+}
+
 TEST(Mirroring, ManyLayersAreDecidedAsFewAre) {
   for (const int count : {10, 40}) {  // all choices, and a search
     Eigen::MatrixXd evidence = Eigen::MatrixXd::Zero(count, count);

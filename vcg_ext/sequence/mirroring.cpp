@@ -17,6 +17,7 @@ constexpr double lies = 0.15;  // in R: as it lies to its parent, a surface need
 constexpr double meshNoise = 0.003, halfAsGood = 0.05, recognisable = 0.25;  // in R
 constexpr double mostEvidence = 1, noEvidence = 0.05;
 constexpr double usual = 0.15, certain = 0.5;
+constexpr int rootIsRight = 2;
 constexpr int rounds = 3, pairsPerRound = 2;
 constexpr int nearest = 6;  // the most alike that each surface is compared with in the end
 // By how much the nearest image lies farther off than the nearest surface, as a logarithm; of the
@@ -102,11 +103,18 @@ class Sides {
   using Choice = std::vector<int>;  // +1 or -1
 
   double gain(const Choice& sides, int i) const {  // of flipping i
-    double pull = preference_;
-    for (int j = 0; j < size(); ++j)
+    const int side = sides[static_cast<size_t>(i)];
+    double pull = 0;
+    int sum = 0;
+    for (int j = 0; j < size(); ++j) {
+      sum += sides[static_cast<size_t>(j)];
       if (j != i) pull += evidence_(i, j) * sides[static_cast<size_t>(j)];
-    return -2 * pull * sides[static_cast<size_t>(i)];
+    }
+    return preference_ * (agreeing(sum - 2 * side) - agreeing(sum)) - 2 * pull * side;
   }
+
+  /// Most are on one side, on the root's rather than on the other one.
+  static int agreeing(int sum) { return sum < 0 ? -sum - rootIsRight : sum; }
 
   int size() const { return static_cast<int>(evidence_.rows()); }
 

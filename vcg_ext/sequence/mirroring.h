@@ -44,12 +44,13 @@ struct SurfaceSides {
 /// other at best as it is, and as its mirror image (chirality.h): at most 1 either way, nothing
 /// where it is below 0.05, the less the worse both fit (half at 0.05 R, none beyond 0.25 R). The
 /// sides s_i = +-1 maximise
-///   sum over pairs of evidence s_i s_j + 0.15 sum s_i,
-/// since most surfaces are as they should be; a surface's side is certain where every choice of
-/// sides with the other one is worse by at least 0.5. Pairs are the arcs of the tree, and of
-/// surfaces whose side is not certain those with the surfaces whose axes are the most alike, up to
-/// six. So a shape that is nearly its own mirror image, as skulls are, stays, and so do all where
-/// mirrored surfaces are about as many as others that the root tells nothing about.
+///   sum over pairs of evidence s_i s_j + 0.15 |sum s_i| - (0.3 where sum s_i < 0),
+/// since most surfaces are on one side, on the root's rather than on the other; a surface's side is
+/// certain where every choice of sides with the other one is worse by at least 0.5. Pairs are the
+/// arcs of the tree, and of surfaces whose side is not certain those with the surfaces whose axes
+/// are the most alike, up to six. So a shape that is nearly its own mirror image, as skulls are,
+/// stays, and so do all where mirrored surfaces are about as many as others that the root tells
+/// nothing about.
 ///
 /// That is all for phases of one subject, known by their shape, which changes little from one to
 /// the next. Of different subjects pairs do not err independently of each other: each has an
