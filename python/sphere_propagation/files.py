@@ -377,6 +377,8 @@ def _plain_name(path: Path) -> Iterator[Path]:
     LC_ALL=C, and in the types that it knows."""
     path = path.resolve()
     plain = readers.plain_ply(path) if path.suffix.lower() == ".ply" else None
+    if path.suffix.lower() == ".stl":
+        readers.refuse_cut_off_stl(path)
     if plain is None and str(path).isascii():
         yield path
         return

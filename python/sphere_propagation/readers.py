@@ -52,6 +52,7 @@ PLY_TYPES = {
 PLY_FACES = re.compile(
     rb"^property[ \t]+list[ \t]+(\w+)[ \t]+(\w+)[ \t]+(vertex_index|vertex_indices)\b", re.M
 )
+PLY_DOUBLE = re.compile(rb"^property[ \t].*\b(double|float64)\b", re.M)
 PLAIN_PLY_FACES = b"property list uchar int vertex_indices"
 PLY_FACES_END = ["property", "element"]  # the list is all that a face has
 # vtkCellType: vertices and lines, which are no part of a surface, and what can be cut in triangles.
@@ -154,31 +155,34 @@ def _in_ply(content: bytes) -> bool:
 
 
 def plain_ply(path: Path) -> Optional[bytes]:
-    """The same PLY file with faces as lists of uchar and int; None where PyMeshLab knows their
-    types. Most others it takes for something else, and may not notice."""
+    """The same PLY file with faces as lists of uchar and int, and in the order of bytes that
+    PyMeshLab knows for doubles; None where it knows the types. Most others it takes for something
+    else, and may not notice."""
     content = path.read_bytes()
     header, end, rest = content.partition(b"end_header")
     found = PLY_FACES.search(header)
     if not found:
         return None
+    order = re.search(rb"^format[ \t]+(\w+)", header, re.M)
+    endian = {b"binary_little_endian": "<", b"binary_big_endian": ">"}.get(order and order[1])
+    swapped = endian == ">" and bool(PLY_DOUBLE.search(header))
     number, corner = (PLY_TYPES.get(name.decode()) for name in found.groups()[:2])
     known = ("i4", "u4") if found[3] == b"vertex_indices" else ("i4",)
-    if number in ("i1", "u1") and corner in known:
+    if number in ("i1", "u1") and corner in known and not swapped:
         return None
     plain = header[: found.start()] + PLAIN_PLY_FACES + header[found.end() :] + end
-    order = re.search(rb"^format[ \t]+(\w+)", header, re.M)
     if order and order[1] == b"ascii":
         return plain + rest
+    lists = f"faces as lists of {found[1].decode()} and {found[2].decode()}"
     refused = FileError(
-        f"{path} cannot be read as a mesh. Its faces are lists of {found[1].decode()} and "
-        f"{found[2].decode()} beside other things: write them as uchar and int."
+        f"{path} cannot be read as a mesh. It holds {'big-endian doubles' if swapped else lists} "
+        "beside other things: write it as little-endian, with lists of uchar and int."
     )
     words = [line.split() for line in header.decode("latin-1").splitlines()]
     elements = [line for line in words if line[:1] in (["element"], ["property"])]
     split = next((i for i, line in enumerate(elements) if line[1] == "face"), 0)
     sizes = [PLY_TYPES.get(line[1]) for line in elements[1:split]]
     kinds = [line[1] for line in elements if line[0] == "element"]
-    endian = {b"binary_little_endian": "<", b"binary_big_endian": ">"}.get(order and order[1])
     if (
         kinds[:2] != ["vertex", "face"]
         or None in (*sizes, number, corner, endian)
@@ -186,21 +190,53 @@ def plain_ply(path: Path) -> Optional[bytes]:
         not in (["property"], PLY_FACES_END)
     ):
         raise refused
+    kind = np.dtype([(str(i), f"{endian}{size}") for i, size in enumerate(sizes)])
     start = rest.find(b"\n") + 1
-    begin = start + int(elements[0][2]) * sum(int(size[1:]) for size in sizes if size)
+    begin = start + int(elements[0][2]) * kind.itemsize
+    vertices = rest[start:begin]
+    written = "<" if swapped else endian
     count_type, corner_type = np.dtype(f"{endian}{number}"), np.dtype(f"{endian}{corner}")
     faces = []
     at = begin
     try:
+        if swapped:
+            vertices = np.frombuffer(vertices, kind).astype(kind.newbyteorder("<")).tobytes()
         for _ in range(int(elements[split][2])):
             corners = int(np.frombuffer(rest, count_type, 1, at)[0])
             at += count_type.itemsize
             indices = np.frombuffer(rest, corner_type, corners, at)
             at += corners * corner_type.itemsize
-            faces.append(bytes([corners]) + indices.astype(f"{endian}i4").tobytes())
+            faces.append(bytes([corners]) + indices.astype(f"{written}i4").tobytes())
     except (ValueError, IndexError) as error:
         raise FileError(f"{path} cannot be read as a mesh. It ends too early.") from error
-    return plain + rest[:begin] + b"".join(faces) + rest[at:]
+    after = rest[at:]
+    if swapped:  # what comes after the faces is left out, and so is what the header says of it
+        plain = _without_other_elements(plain).replace(b"binary_big", b"binary_little", 1)
+        after = b""
+    return plain + rest[:start] + vertices + b"".join(faces) + after
+
+
+def _without_other_elements(header: bytes) -> bytes:
+    """Of a PLY file whose first elements are vertices and faces."""
+    others = list(re.finditer(rb"^element\b", header, re.M))[2:]
+    return header[: others[0].start()] + b"end_header" if others else header
+
+
+def refuse_cut_off_stl(path: Path) -> None:
+    """PyMeshLab takes the triangles that are there."""
+    content = path.read_bytes()
+    counts = [len(re.findall(word, content, re.I)) for word in (rb"\bfacet\s", rb"\bendfacet\b")]
+    if content[:5].lower() == b"solid" and counts[0]:
+        said, there = counts
+    elif len(content) >= 84:
+        said, there = int(np.frombuffer(content, "<u4", 1, 80)[0]), (len(content) - 84) // 50
+    else:
+        return
+    if there < said:
+        raise FileError(
+            f"{path} cannot be read as a mesh. It ends too early: {there} of its {said} triangles "
+            "are there."
+        )
 
 
 def _in_obj(content: bytes) -> bool:

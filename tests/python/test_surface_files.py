@@ -138,15 +138,21 @@ def test_what_is_written_is_read(name, body, tmp_path):
 
 @pytest.mark.parametrize("format", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("name", ["vertex_index", "vertex_indices"])
-def test_ply_with_faces_in_any_types(format, name, body, tmp_path):
-    """Some of them MeshLab reads as other faces, without a word."""
-    v, f = body[0].astype("f4"), body[1]
+@pytest.mark.parametrize("real", ["float", "double"])
+def test_ply_with_numbers_of_any_types(format, name, real, body, tmp_path):
+    """Some of them MeshLab reads as other faces or places, without a word; edges may follow."""
+    v, f = body[0].astype({"float": "f4", "double": "f8"}[real]), body[1]
     e = ">" if "big" in format else "<"
     for count, number in (("uchar", "u1"), ("uint8", "u1"), ("int", "i4"), ("uint", "u4")):
         for index, corner in (("ushort", "u2"), ("int", "i4"), ("uint", "u4"), ("uint32", "u4")):
             head = f"ply\nformat {format} 1.0\ncomment x\nelement vertex {len(v)}\n"
-            head += "".join(f"property float {axis}\n" for axis in "xyz")
-            head += f"element face {len(f)}\nproperty list {count} {index} {name}\nend_header\n"
+            head += "".join(f"property {real} {axis}\n" for axis in "xyz")
+            head += f"element face {len(f)}\nproperty list {count} {index} {name}\n"
+            edges = b""
+            if real == "double" and "big" in format and index == "uint":
+                head += "element edge 1\nproperty int vertex1\nproperty int vertex2\n"
+                edges = bytes(8)
+            head += "end_header\n"
             if format == "ascii":
                 rows = [" ".join(map(repr, p.tolist())) for p in v]
                 rows += [" ".join(map(str, (3, *face))) for face in f.tolist()]
@@ -154,7 +160,7 @@ def test_ply_with_faces_in_any_types(format, name, body, tmp_path):
             else:
                 faces = np.empty(len(f), [("n", e + number), ("i", e + corner, 3)])
                 faces["n"], faces["i"] = 3, f
-                content = v.astype(e + "f4").tobytes() + faces.tobytes()
+                content = v.astype(v.dtype.newbyteorder(e)).tobytes() + faces.tobytes() + edges
             path = tmp_path / "body.ply"
             path.write_bytes(head.encode() + content)
             found = sp.read_mesh(path)
@@ -169,6 +175,40 @@ def test_ply_with_lists_that_are_not_known_beside_others_is_refused(tmp_path):
     path = tmp_path / "flags.ply"
     path.write_bytes(head.encode() + b"end_header\n" + bytes(4 * 12 + 4 * 8))
     with pytest.raises(sp.FileError, match="lists of uchar and ushort beside other things"):
+        sp.read_mesh(path)
+
+
+def test_big_endian_doubles_beside_other_things_are_refused(tmp_path):
+    head = "ply\nformat binary_big_endian 1.0\nelement vertex 4\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += "element face 4\nproperty list uchar int vertex_indices\nproperty uchar flag\n"
+    path = tmp_path / "flags.ply"
+    path.write_bytes(head.encode() + b"end_header\n" + bytes(4 * 24 + 4 * 14))
+    with pytest.raises(sp.FileError, match="big-endian doubles beside other things"):
+        sp.read_mesh(path)
+
+
+@pytest.mark.parametrize("left", [1, 500, 5000])
+def test_stl_that_ends_too_early_is_refused(left, body, tmp_path):
+    """MeshLab takes the triangles that are there."""
+    path = tmp_path / "cut.stl"
+    stl(path, *body)
+    content, count = path.read_bytes(), len(body[1])
+    path.write_bytes(content[:-left])
+    with pytest.raises(sp.FileError, match=f"{count - -(-left // 50)} of its {count} triangles"):
+        sp.read_mesh(path)
+    rows = [
+        f"facet normal 0 0 1\nouter loop\n{corner}endloop\nendfacet\n"
+        for corner in (
+            "".join("vertex " + " ".join(map(repr, p)) + "\n" for p in triangle)
+            for triangle in body[0][body[1]].tolist()
+        )
+    ]
+    text = "solid x\n" + "".join(rows) + "endsolid x\n"
+    path.write_text(text)
+    assert len(sp.read_mesh(path).faces) == count
+    path.write_text(text[: -20 - left])
+    with pytest.raises(sp.FileError, match="ends too early"):
         sp.read_mesh(path)
 
 
