@@ -44,7 +44,7 @@ class AnchorSources {
   }
 
   /// The same for a file beside the layer's own, which nobody asked for: empty where there is none,
-  /// where it is no file of anchors, or where most of them lie far off the layer.
+  /// where it is not a file of anchors, or where most of them lie far off the layer.
   AnchorSet beside(const host::Layer& layer);
 
   /// Says, when all are read, of which layers the places were taken as they are written.

@@ -11,7 +11,7 @@
 namespace sphere_propagation {
 
 /// The surface of a layer that stores positions on the sphere. Empty, with a line in the log, where
-/// it stores nothing, or texture coordinates only and is no closed surface: those are ordinary
+/// it stores nothing, or texture coordinates only and is not a closed surface: those are ordinary
 /// ones. Throws SurfaceError where it has the attribute.
 std::optional<MeshSurface> surfaceWithPositions(const host::Task& task, const host::Layer& layer);
 

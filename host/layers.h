@@ -128,7 +128,7 @@ class Layer {
   /// Whether anything is stored where a map would be: the attribute, or texture coordinates of any
   /// kind.
   bool storesPositions() const;
-  /// Whether it carries a map; quick, and false where the layer is no closed surface.
+  /// Whether it carries a map; quick, and false where the layer is not a closed surface.
   bool hasMap() const;
   /// The vertices as they are stored, without the layer's matrix (#V by 3, in the surface's
   /// numbering): those of a sphere layer lie on the unit sphere wherever it is shown.

@@ -328,7 +328,7 @@ def volume_file(thing: Any) -> Iterator[Tuple[str, Dict[str, str]]]:
         paths = files.input_files(*([thing] if is_path(thing) else thing))
         others = [path for path in paths if not files.is_label_volume(path)]
         if others:
-            raise InputError(f"{others[0]} is no label volume.")
+            raise InputError(f"{others[0]} is not a label volume.")
         yield files.volume_lines(paths, files.names_of(paths)), {}
         return
     several = isinstance(thing, list) and bool(thing) and all(map(is_label_volume, thing))

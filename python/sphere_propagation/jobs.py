@@ -210,7 +210,7 @@ def _run_files(
 
 
 def _note_anchors_beside(paths: Sequence[Path], choices: Choices, steps: Lines) -> None:
-    """MeshLab's filter heeds them; here nobody has asked for them."""
+    """MeshLab's filter follows them; here nobody has asked for them."""
     if choices.parameters.anchors is not None:
         return
     found = anchor_files.beside(paths, list(map(files.stem_of, paths)))

@@ -36,7 +36,7 @@ def read_model(path) -> ShapeModel:
     missing = [name for name in NEEDED if name not in found]
     if missing:
         raise FileError(
-            f"{path} is no shape model: it has no {' and no '.join(missing)}. Models are what "
+            f"{path} is not a shape model: it has no {' and no '.join(missing)}. Models are what "
             'shape_model(…, export_file="model.npz") and "sphere-propagation run" write.'
         )
     mean, modes, eigenvalues, scores, faces = (found[name] for name in NEEDED)
@@ -54,13 +54,13 @@ def read_model(path) -> ShapeModel:
     )
     if not fits:
         shapes = ", ".join(f"{name} {found[name].shape}" for name in NEEDED)
-        raise FileError(f"{path} is no shape model: its arrays do not fit together ({shapes}).")
+        raise FileError(f"{path} is not a shape model: its arrays do not fit together ({shapes}).")
     if faces.size and not 0 <= faces.min() <= faces.max() < len(mean):
-        raise FileError(f"{path} is no shape model: a face names a landmark that is not there.")
+        raise FileError(f"{path} is not a shape model: a face names a landmark that is not there.")
     if not all(np.isfinite(values).all() for values in (mean, modes, eigenvalues, scores)):
-        raise FileError(f"{path} is no shape model: some of its numbers are infinite or NaN.")
+        raise FileError(f"{path} is not a shape model: some of its numbers are infinite or NaN.")
     if (eigenvalues < 0).any():
-        raise FileError(f"{path} is no shape model: an eigenvalue is negative.")
+        raise FileError(f"{path} is not a shape model: an eigenvalue is negative.")
     compactness = np.cumsum(eigenvalues, dtype=float)
     total = float(compactness[-1]) if len(eigenvalues) else 0.0
     if "total_variance" in found:
@@ -134,7 +134,9 @@ def _require_no_folder(path: Path) -> None:
 def _names_in(path: Path, found: Mapping[str, np.ndarray]) -> Dict[str, int]:
     names, numbers = (np.ravel(found.get(key, ())) for key in NAMES)
     if len(names) != len(numbers) or any(not 0 <= n < len(found["mean"]) for n in numbers):
-        raise FileError(f"{path} is no shape model: its {' and '.join(NAMES)} do not fit together.")
+        raise FileError(
+            f"{path} is not a shape model: its {' and '.join(NAMES)} do not fit together."
+        )
     return {str(name): int(number) for name, number in zip(names, numbers)}
 
 

@@ -88,7 +88,7 @@ def prepare(
     or not ("Flat"). orient: all faces outwards. remove_handles: by way of a volume, with a new
     mesh.
 
-    Warns (SpherePropagationWarning) where it is no closed surface yet, and where a large part or
+    Warns (SpherePropagationWarning) where it is not a closed surface yet, and where a large part or
     large sheets were dropped. Raises FilterError where there is nothing to prepare.
     """
     given = as_surface(surface)

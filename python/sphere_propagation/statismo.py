@@ -46,7 +46,7 @@ def read(path: Path) -> Found:
         places = [place for place in ("", *tree.groups()) if tree.array(place, MODEL) is not None]
         if not places:
             raise FileError(
-                f"{path} is no shape model: it has no /model/mean, as statismo and scalismo write."
+                f"{path} is not a shape model: it has no /model/mean, as statismo and scalismo write."
             )
         if len(places) > 1 and "" not in places:
             shapes = [place for place in places if tree.kind(place) == "POLYGON_MESH"] or places
@@ -64,15 +64,15 @@ def _model(path: Path, tree: _Tree, place: str) -> Found:
     def needed(name: str) -> np.ndarray:
         found = tree.array(place, name)
         if found is None:
-            raise FileError(f"{path} is no shape model: it has no {place}/{name}.")
+            raise FileError(f"{path} is not a shape model: it has no {place}/{name}.")
         if found.dtype.kind not in "fiu" or not np.isfinite(found).all():
-            raise FileError(f"{path} is no shape model: {place}/{name} are not finite numbers.")
+            raise FileError(f"{path} is not a shape model: {place}/{name} are not finite numbers.")
         return found
 
     kind = tree.kind(place)
     if kind not in ("POLYGON_MESH", "", "UNKNOWN"):
         raise FileError(
-            f"{path} is no model of surfaces but of {kind.replace('_', ' ').lower()}: models of "
+            f"{path} is not a model of surfaces but of {kind.replace('_', ' ').lower()}: models of "
             "triangle meshes (POLYGON_MESH) are read."
         )
     if tree.array(place, "representer/cells") is None:
@@ -85,15 +85,15 @@ def _model(path: Path, tree: _Tree, place: str) -> Found:
     basis, cells = needed("model/pcaBasis").astype(float), needed("representer/cells")
     if not mean.size or mean.size % 3 or basis.shape != (mean.size, len(variances)):
         raise FileError(
-            f"{path} is no shape model: its arrays do not fit together (mean {mean.shape}, "
+            f"{path} is not a shape model: its arrays do not fit together (mean {mean.shape}, "
             f"pcaBasis {basis.shape}, pcaVariance {variances.shape})."
         )
     if (variances < 0).any():
-        raise FileError(f"{path} is no shape model: a variance is negative.")
+        raise FileError(f"{path} is not a shape model: a variance is negative.")
     # 3 x F, as documented; F x 3 where whoever wrote it turned it round.
     if cells.ndim != 2 or 3 not in cells.shape:
         raise FileError(
-            f"{path} is no model of triangles: representer/cells are of shape {cells.shape}."
+            f"{path} is not a model of triangles: representer/cells are of shape {cells.shape}."
         )
     faces = (cells.T if cells.shape[0] == 3 else cells).astype(np.int64)
     deviations = np.sqrt(variances)
@@ -238,7 +238,7 @@ def _tree(path: Path) -> Iterator[_Tree]:
             yield _Json(json.loads(path.read_text(encoding="utf-8")))
         except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
             raise FileError(
-                f"{path} is no shape model: it is not HDF5/JSON as scalismo writes."
+                f"{path} is not a shape model: it is not HDF5/JSON as scalismo writes."
             ) from error
         return
     try:
@@ -254,7 +254,7 @@ def _tree(path: Path) -> Iterator[_Tree]:
         raise
     except OSError as error:
         raise FileError(
-            f"{path} is no HDF5 file, as models of statismo and scalismo are."
+            f"{path} is not an HDF5 file, as models of statismo and scalismo are."
         ) from error
     with file:
         try:

@@ -37,7 +37,7 @@ std::vector<std::array<double, 4>> facesOf(const CollapsibleMesh& mesh) {
   return faces;
 }
 
-/// Throws where it is no closed surface of genus 0 any more.
+/// Throws where it is not a closed surface of genus 0 any more.
 void expectSphere(const CollapsibleMesh& mesh) {
   std::vector<int> vertices, faceOf;
   const FaceRings rings = mesh.rings(vertices, faceOf);

@@ -174,7 +174,7 @@ def test_the_size_that_is_named_closes_the_holes():
     assert ms.apply_filter(ROOT)["flipped_faces"] == 0
 
 
-# ------------------------------------------------ meshes that are no closed surfaces
+# ------------------------------------------------ meshes that are not closed surfaces
 
 
 def test_the_root(defect):
@@ -480,10 +480,10 @@ def test_choices_that_do_not_exist(choice):
         ("", ["0 numbers for 3 surface layers"]),
         ("-1 0", ["2 numbers for 3 surface layers"]),
         ("-1 0 1 2", ["4 numbers for 3 surface layers"]),
-        ("-1 0 one", ['"one" is no layer number']),
-        ("-1 0 1.5", ['"1.5" is no layer number']),
-        ("-1 0 99999999999999999999", ["is no layer number"]),
-        ("-1 0 7", ['layer "phantom cavity 02"', "layer 7", "no visible surface layer"]),
+        ("-1 0 one", ['"one" is not a layer number']),
+        ("-1 0 1.5", ['"1.5" is not a layer number']),
+        ("-1 0 99999999999999999999", ["is not a layer number"]),
+        ("-1 0 7", ['layer "phantom cavity 02"', "layer 7", "not a visible surface layer"]),
         ("-1 -1 0", ["the root (-1)"]),
         ("1 2 1", ["root"]),
         ("-1 2 1", ["from itself"]),

@@ -139,7 +139,9 @@ def test_layers_that_are_left_out(cycle, name):
         ("painted", "leftOutWithBadMap"),
         ("open", "layerLeftOut"),
     ]
-    assert found[2]["text"].startswith("left out, since it is no closed surface: it is not closed:")
+    assert found[2]["text"].startswith(
+        "left out, since it is not a closed surface: it is not closed:"
+    )
 
 
 def test_maps_of_several_roots(cycle):

@@ -419,7 +419,7 @@ def test_an_option_that_there_is_not_is_looked_for_in_its_command(capsys):
         ("--root=9", "Layer 9 cannot be the root"),
         ("--frequency=900", "frequency must lie between 1 and 816"),
         ("--parents=-1,0", "parents: 2 numbers for 3 surface layers"),
-        ("--parents=-1,0,3", "from layer 3, which is no visible surface layer"),
+        ("--parents=-1,0,3", "from layer 3, which is not a visible surface layer"),
         ("--parents=-1,0,-1", "is marked as the root (-1), but so is layer 0"),
         ("--parents=-1,2,1", "would get its map from itself"),
         ("--parents=0,0,1", "No layer is marked as the root"),

@@ -224,7 +224,7 @@ def test_models_are_read_again(tmp_path):
     again = sp.read_model(written(model, tmp_path / "model.npz"))
     assert np.array_equal(again.modes, model.modes) and again.names[2] == "shape 2"
     np.savez(tmp_path / "less.npz", mean=model.mean)
-    with pytest.raises(sp.FileError, match="no shape model"):
+    with pytest.raises(sp.FileError, match="not a shape model"):
         sp.read_model(tmp_path / "less.npz")
 
 

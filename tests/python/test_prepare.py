@@ -42,7 +42,9 @@ def test_what_is_closed_comes_back(heart):
 
 
 def test_what_is_left_is_a_warning(heart):
-    with pytest.warns(sp.SpherePropagationWarning, match="no closed surface yet: it is not closed"):
+    with pytest.warns(
+        sp.SpherePropagationWarning, match="not a closed surface yet: it is not closed"
+    ):
         prepared = sp.prepare(opened(heart), close_openings=False)
     assert prepared.figures["closed"] == 0 and prepared.surface.volume > 0
 

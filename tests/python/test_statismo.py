@@ -163,7 +163,7 @@ def test_other_files_and_damaged_ones(model, tmp_path, monkeypatch):
     (tmp_path / "list.json").write_text(json.dumps([1, 2]))
     (tmp_path / "half.json").write_text('{"groups": ')
     for name, words in (
-        ("text.h5", "no HDF5"),
+        ("text.h5", "not an HDF5"),
         ("list.json", "no HDF5/JSON|not HDF5/JSON"),
         ("half.json", "not HDF5/JSON"),
     ):

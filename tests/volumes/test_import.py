@@ -488,8 +488,8 @@ BAD = {
     "too large.nii": (lambda: files.nifti(np.full((5, 5, 5), 2**40, "i8")), "32 bits"),
     "nothing.nii": (lambda: files.nifti(np.zeros((5, 5, 5), "u1")), "all voxels are 0"),
     "other labels.nii": (lambda: files.nifti(files.egg(value=7)), "occur are 7"),
-    "text.nii": (lambda: b"not a volume " * 100, "no NIfTI"),
-    "text.mha": (lambda: b"not a volume " * 100, "no MetaImage"),
+    "text.nii": (lambda: b"not a volume " * 100, "not a NIfTI"),
+    "text.mha": (lambda: b"not a volume " * 100, "not a MetaImage"),
     "text.nrrd": (lambda: b"not a volume " * 100, "header is broken"),
     "empty.nii.gz": (lambda: b"", "ends within its header"),
     "volume.dcm": (lambda: b"DICM", "formats that are read"),
@@ -532,7 +532,7 @@ def test_a_voxel_that_is_no_label_is_shown_with_the_digits_that_tell(tmp_path, v
 def test_no_file(tmp_path):
     refused("", "file_name is empty")
     refused(tmp_path / "none.nii", "no such file")
-    refused(tmp_path, "no file")
+    refused(tmp_path, "not a file")
 
 
 @pytest.mark.parametrize(

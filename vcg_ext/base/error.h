@@ -73,7 +73,7 @@ inline void requireRange(const std::string& name, double value, const Range& ran
   if (!range.holds(value)) throw RangeError(name, value, range);
 }
 
-/// A mesh is no closed surface of genus 0.
+/// A mesh is not a closed surface of genus 0.
 class SurfaceError : public Error {
   using Error::Error;
 };

@@ -13,7 +13,7 @@ namespace sphere_propagation {
 enum class Fault {
   Text,  ///< said in words only
 
-  // mesh: a mesh is no closed surface of genus 0
+  // mesh: a mesh is not a closed surface of genus 0
   Empty,                    ///< neither vertices nor faces
   NoFaces,                  ///< vertices only
   TooFewVertices,           ///< fewer than four

@@ -33,7 +33,7 @@ PropagatedLayer mapOfFit(const FittingModel& model, const ModelFit& fit,
     const std::optional<ClosedSurface> mean = closedMean(model);
     if (!mean)
       throw ParameterError(
-          "The landmarks of the model are no closed surface, so the surface gets no map from "
+          "The landmarks of the model are not a closed surface, so the surface gets no map from "
           "them.");
     RootMapParameters parameters;
     parameters.threads = pool.threads();

@@ -38,7 +38,7 @@ class ArchiveReader {
   }
 
   [[noreturn]] void fail(const std::string& why) const {
-    throw ParameterError("\"" + file_ + "\" is no shape model: " + why + ".");
+    throw ParameterError("\"" + file_ + "\" is not a shape model: " + why + ".");
   }
 
   struct Array {
@@ -204,7 +204,7 @@ class ArchiveReader {
 void readNotes(const ArchiveReader& archive, ShapeModel& model) {
   if (const auto noise = archive.array("noise_variance")) {
     if (noise->values.size() != 1 || !(noise->values[0] >= 0) || std::isinf(noise->values[0]))
-      archive.fail("its noise variance is no number from 0");
+      archive.fail("its noise variance is not a number from 0");
     model.noiseVariance = noise->values[0];
   }
   const auto names = archive.array("anchor_names"), landmarks = archive.array("anchor_landmarks");

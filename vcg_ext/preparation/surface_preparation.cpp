@@ -12,7 +12,7 @@
 namespace sphere_propagation {
 namespace {
 
-/// Why a mesh is no closed surface; nothing where it is one.
+/// Why a mesh is not a closed surface; nothing where it is one.
 std::optional<Finding> findingOf(const Points& vertices, const Triangles& faces,
                                  const std::string& name) {
   try {

@@ -51,7 +51,7 @@ def no_such_phase(chosen: int, phases: int) -> str:
 
 
 def require_sphere(surface: Surface) -> None:
-    """Failed, in the filters' own words, where it is no closed surface of genus 0."""
+    """Failed, in the filters' own words, where it is not a closed surface of genus 0."""
     if _is_sphere(surface):
         return
     try:
