@@ -46,7 +46,8 @@ def read(path: Path) -> Found:
         places = [place for place in ("", *tree.groups()) if tree.array(place, MODEL) is not None]
         if not places:
             raise FileError(
-                f"{path} is not a shape model: it has no /model/mean, as statismo and scalismo write."
+                f"{path} is not a shape model: it has no /model/mean, as statismo and scalismo "
+                "write."
             )
         if len(places) > 1 and "" not in places:
             shapes = [place for place in places if tree.kind(place) == "POLYGON_MESH"] or places
