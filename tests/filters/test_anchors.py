@@ -311,6 +311,13 @@ def test_names_that_are_exchanged_are_refused_or_named():
         )
 
 
+@pytest.mark.parametrize("method", ["Robust", "As published"])
+def test_names_that_are_right_stay_unnamed(method):
+    returned = turning(4).apply_filter(PROPAGATE, method=method)
+    assert len(bytes(map(int, returned["anchor_names"])).split(b"\n")) == 4
+    assert not any("exchanged" in remark["text"] for remark in remarks(returned))
+
+
 def test_names_that_are_exchanged_in_turn_are_named():
     there = turning(2)
     its_place = {"p5": "p100", "p100": "p230", "p230": "p5", "p400": "p400"}
