@@ -224,14 +224,16 @@ def _without_other_elements(header: bytes) -> bytes:
 
 def refuse_cut_off_stl(path: Path) -> None:
     """PyMeshLab takes the triangles that are there."""
-    content = path.read_bytes()
-    counts = [len(re.findall(word, content, re.I)) for word in (rb"\bfacet\s", rb"\bendfacet\b")]
-    if content[:5].lower() == b"solid" and counts[0]:
-        said, there = counts
-    elif len(content) >= 84:
-        said, there = int(np.frombuffer(content, "<u4", 1, 80)[0]), (len(content) - 84) // 50
-    else:
-        return
+    start, said = _start(path, 84), 0
+    if start[:5].lower() == b"solid":  # as text begins, and some binary files
+        content = path.read_bytes()
+        said = len(re.findall(rb"\bfacet\s", content, re.I))
+        there = len(re.findall(rb"\bendfacet\b", content, re.I))
+    if not said:
+        if len(start) < 84:
+            return
+        said = int(np.frombuffer(start, "<u4", 1, 80)[0])
+        there = (path.stat().st_size - 84) // 50
     if there < said:
         raise FileError(
             f"{path} cannot be read as a mesh. It ends too early: {there} of its {said} triangles "

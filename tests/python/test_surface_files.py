@@ -168,23 +168,22 @@ def test_ply_with_numbers_of_any_types(format, name, real, body, tmp_path):
             assert np.abs(found.vertices - v).max() < 1e-5
 
 
-def test_ply_with_lists_that_are_not_known_beside_others_is_refused(tmp_path):
-    head = "ply\nformat binary_little_endian 1.0\nelement vertex 4\n"
-    head += "".join(f"property float {axis}\n" for axis in "xyz")
-    head += "element face 4\nproperty list uchar ushort vertex_indices\nproperty uchar flag\n"
-    path = tmp_path / "flags.ply"
-    path.write_bytes(head.encode() + b"end_header\n" + bytes(4 * 12 + 4 * 8))
-    with pytest.raises(sp.FileError, match="lists of uchar and ushort beside other things"):
-        sp.read_mesh(path)
-
-
-def test_big_endian_doubles_beside_other_things_are_refused(tmp_path):
-    head = "ply\nformat binary_big_endian 1.0\nelement vertex 4\n"
-    head += "".join(f"property double {axis}\n" for axis in "xyz")
-    head += "element face 4\nproperty list uchar int vertex_indices\nproperty uchar flag\n"
+@pytest.mark.parametrize(
+    "order, real, index, what",
+    [
+        ("little", "float", "ushort", "lists of uchar and ushort"),
+        ("big", "double", "int", "big-endian doubles"),
+    ],
+)
+def test_ply_with_types_that_are_not_known_beside_others_is_refused(
+    order, real, index, what, tmp_path
+):
+    head = f"ply\nformat binary_{order}_endian 1.0\nelement vertex 4\n"
+    head += "".join(f"property {real} {axis}\n" for axis in "xyz")
+    head += f"element face 4\nproperty list uchar {index} vertex_indices\nproperty uchar flag\n"
     path = tmp_path / "flags.ply"
     path.write_bytes(head.encode() + b"end_header\n" + bytes(4 * 24 + 4 * 14))
-    with pytest.raises(sp.FileError, match="big-endian doubles beside other things"):
+    with pytest.raises(sp.FileError, match=f"{what} beside other things"):
         sp.read_mesh(path)
 
 

@@ -70,7 +70,7 @@ std::vector<BorderContact> bordersOf(const std::array<std::vector<long>, 3>& sec
     for (const size_t index : {size_t{0}, of.size() - 1}) {
       const double share = static_cast<double>(of[index]) / widest;
       if (share > (axis == acrossAxis ? cutAcross : cutInSpace) && of.size() > 1)
-        borders.push_back({axis, static_cast<int>(index), of[index], share});
+        borders.push_back({axis, static_cast<int>(index), share});
     }
   }
   return borders;

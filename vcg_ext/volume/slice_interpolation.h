@@ -30,7 +30,6 @@ struct UnevenSlice {
 struct BorderContact {
   int axis = 0;      ///< of the volume: 0, 1, 2 for i, j, k
   int index = 0;     ///< along it: 0 or the last one
-  long voxels = 0;   ///< with the labels, there
   double share = 0;  ///< of the widest section
 };
 

@@ -27,6 +27,7 @@ long turn(const Eigen::Vector2i& o, const Eigen::Vector2i& a, const Eigen::Vecto
 /// A slice with a label, its holes filled.
 struct Outline {
   int slice = 0;
+  long voxels = 0;
   std::vector<Eigen::Vector2i> points;
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   SliceHull hull;
@@ -36,38 +37,36 @@ class Registration {
  public:
   explicit Registration(const Mask& mask)
       : mask_(mask), distance_(signedDistance(mask, Vector3::Ones(), 2)) {
-    std::vector<long> sizes;
     for (int k = 0; k < mask.size[2]; ++k) {
       Outline outline;
       outline.slice = k;
-      long voxels = 0;
       for (int j = 1; j + 1 < mask.size[1]; ++j)
         for (int i = 1; i + 1 < mask.size[0]; ++i) {
           if (mask(i, j, k) == 0) continue;
-          ++voxels;
+          ++outline.voxels;
           outline.centre += Eigen::Vector2d(i, j);
           if (mask(i - 1, j, k) == 0 || mask(i + 1, j, k) == 0 || mask(i, j - 1, k) == 0 ||
               mask(i, j + 1, k) == 0)
             outline.points.emplace_back(i, j);
         }
-      if (voxels == 0) continue;
-      outline.centre /= static_cast<double>(voxels);
+      if (outline.voxels == 0) continue;
+      outline.centre /= static_cast<double>(outline.voxels);
       outline.hull = SliceHull(outline.points);
       const size_t every = std::max<size_t>(1, outline.points.size() / maxOutline);
       std::vector<Eigen::Vector2i> some;
       for (size_t p = 0; p < outline.points.size(); p += every) some.push_back(outline.points[p]);
       outline.points = std::move(some);
       outlines_.push_back(std::move(outline));
-      sizes.push_back(voxels);
     }
-    if (sizes.empty()) return;
-    const auto limit =
-        speckShare * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
-    std::vector<Outline> kept;
-    for (size_t i = 0; i < sizes.size(); ++i)
-      if (sizes[i] >= speckVoxels || static_cast<double>(sizes[i]) >= limit)
-        kept.push_back(std::move(outlines_[i]));
-    outlines_ = std::move(kept);
+    long widest = 0;
+    for (const Outline& outline : outlines_) widest = std::max(widest, outline.voxels);
+    const double limit = speckShare * static_cast<double>(widest);
+    outlines_.erase(std::remove_if(outlines_.begin(), outlines_.end(),
+                                   [&](const Outline& outline) {
+                                     return outline.voxels < speckVoxels &&
+                                            static_cast<double>(outline.voxels) < limit;
+                                   }),
+                    outlines_.end());
   }
 
   std::vector<Outline>& outlines() { return outlines_; }

@@ -22,7 +22,7 @@ from .study import KINDS
 
 UNIT, MIRRORED = KINDS  # what models can leave out
 SIZE = "another size"
-IMAGE, DOUBT = "mirror image of another", "perhaps mirrored"
+ASKED = {"mirrorCopy": "mirror image of another", "mirrorDoubt": "perhaps mirrored"}
 UNSURE = 0.25  # part of the frames whose side may be unknown in a study that has sides
 REFERENCES = 5  # frames of the atlas that a subject is compared with
 OF_SIZE = ("anotherUnit", "anotherUnitThanRoot", "anotherSize", "anotherSizeThanRoot")
@@ -60,10 +60,8 @@ def found_in(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, 
             and "mirroredRoot" not in messages
         ):
             one = _mirrored()
-        elif warning.message == "mirrorCopy":
-            one = {"kind": IMAGE, "text": _asked(warning)}
-        elif warning.message == "mirrorDoubt":
-            one = {"kind": DOUBT, "text": _asked(warning)}
+        elif warning.message in ASKED:
+            one = {"kind": ASKED[warning.message], "text": _asked(warning)}
         else:
             continue
         for name in warning.layers:
@@ -74,7 +72,7 @@ def found_in(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, 
 def asked_of(said: Sequence[SpherePropagationWarning], count: int) -> Dict[str, List[Oddity]]:
     """What is odd, but may be right, and shows only where all are compared with each other."""
     found = {
-        name: [one for one in its if one["kind"] in (IMAGE, DOUBT)]
+        name: [one for one in its if one["kind"] in ASKED.values()]
         for name, its in found_in(said, count).items()
     }
     return {name: its for name, its in found.items() if its}
