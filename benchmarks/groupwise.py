@@ -5,6 +5,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
 
     groupwise.py [DATA] [NAME ...]
     groupwise.py [DATA] --restored [NAME ...]
+    groupwise.py [DATA] --anchors NAME ...
     groupwise.py [DATA] --measures NAME ...
     groupwise.py [DATA] --skulls
     groupwise.py [DATA] --many N ...
@@ -13,6 +14,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
             (default SPHERE_PROPAGATION_DATA, else ../shared/data)
     NAME    rows to print: bump, ellipsoids, skull, hippocampus, "other skull", head (default: all)
     --restored  propagated with area_restoration 1
+    --anchors   what six points whose truth is known do, in groupwise alone and in propagation, too
     --measures  what compactness, generalisation and specificity say of one mode, between landmarks
             and between surfaces, of the truth, after propagation and after each objective
     --skulls    what the model of the real skulls is said to be, between surfaces
@@ -29,6 +31,7 @@ from pathlib import Path
 
 import numpy as np
 import pymeshlab
+import sphere_propagation as sp
 from made_motions import meshed
 from setting import DATA, PLUGIN, yardstick
 
@@ -137,10 +140,21 @@ def error_of_pairs(measure, truth, found, faces):
     return np.mean(errors)
 
 
-def propagated(meshes, restoration=0.0):
+def carry(mesh, points):
+    """Anchors on a layer."""
+    for number, point in enumerate(points):
+        places = np.tile(point, (mesh.vertex_number(), 1))
+        mesh.add_vertex_custom_point_attribute(places, f"anchor_{number}")
+
+
+def propagated(meshes, restoration=0.0, anchors=(), where=""):
+    """where: anchors are carried from the "first" on, or "later", from propagation on."""
     project = pymeshlab.MeshSet()
     for vertices, faces in meshes:
         project.add_mesh(pymeshlab.Mesh(vertices, faces.astype(np.int32)))
+    if where == "first":
+        for mesh, points in zip(project, anchors):
+            carry(mesh, points)
     project.set_current_mesh(0)
     project.apply_filter("compute_spherical_parameterisation_root")
     project.apply_filter(
@@ -148,6 +162,9 @@ def propagated(meshes, restoration=0.0):
         order="Similarity tree",
         area_restoration=restoration,
     )
+    if where == "later":
+        for mesh, points in zip(project, anchors):
+            carry(mesh, points)
     return project
 
 
@@ -205,12 +222,42 @@ def landmarks_of_truth(measure, truth, found):
     return [np.einsum("pk,pkj->pj", weight, shape[corners]) for shape in truth.shapes]
 
 
+def ways_to_rebuild(truth, faces):
+    """Landmarks of some surfaces, which are called by their numbers, in each way."""
+    propagated_once = {}  # the same for all ways
+
+    def maps_of(others):
+        key = tuple(surface.name for surface in others)
+        if key not in propagated_once:
+            propagated_once[key] = sp.correspond(others, root=0, order="Similarity tree").maps
+        return propagated_once[key]
+
+    def optimised(objective):
+        def build(others):
+            maps = maps_of(others)
+            found = sp.optimise_groupwise(others, maps, alignment="None", objective=objective)
+            return sp.remesh(others, found.maps, frequency=FREQUENCY)
+
+        return build
+
+    return {
+        "truth": lambda others: (np.array([truth[int(s.name)] for s in others]), faces),
+        "propagated": lambda others: sp.remesh(others, maps_of(others), frequency=FREQUENCY),
+        **{name: optimised(name) for name in ("Population model", "Description length")},
+    }
+
+
+def rebuilt(meshes, build):
+    surfaces = [sp.Surface(*mesh, str(k)) for k, mesh in enumerate(meshes)]
+    return sp.rebuilt_generalisation(surfaces, 1, build=build, alignment="None").generalisation[0]
+
+
 def print_measures(data, measure, names):
     """Of one mode, for several ways to correspondence."""
     print(
         "| landmarks | error | variance of mode 1, % | generalisation | specificity | between "
-        "surfaces: generalisation | specificity | off the surface | folded faces |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+        "surfaces: generalisation | specificity | off the surface | folded faces | left out before "
+        "correspondence |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
     )
     made = populations(data, measure)
     for name in names:
@@ -229,11 +276,50 @@ def print_measures(data, measure, names):
                 )
             rows[objective] = landmarks(project)
         rows = {"truth": landmarks_of_truth(measure, truth, rows["propagated"]), **rows}
+        ways = ways_to_rebuild(rows["truth"], project.mesh(SHAPES).face_matrix())
         for words, found in rows.items():
             cells = row_of_measures(
                 measure, truth, meshes, found, project.mesh(SHAPES).face_matrix()
             )
+            cells.append(f"{rebuilt(meshes, ways[words]):.3f}")
             print("| " + " | ".join([f"{name}, {words}", *cells]) + " |", flush=True)
+
+
+def true_points(truth, count=6):
+    """Vertices of the truth, each the farthest from those before on the first shape."""
+    x = truth.shapes[0]
+    chosen = [int(x[:, 0].argmax())]
+    far = np.linalg.norm(x - x[chosen[0]], axis=1)
+    while len(chosen) < count:
+        chosen.append(int(far.argmax()))
+        far = np.minimum(far, np.linalg.norm(x - x[chosen[-1]], axis=1))
+    return chosen
+
+
+def print_anchors(data, measure, names):
+    """Errors with and without anchors at true points."""
+    print(
+        "| shapes | propagated | groupwise | with six anchors | with six anchors in propagation, "
+        "too | flipped faces |\n| --- | --- | --- | --- | --- | --- |"
+    )
+    made = populations(data, measure)
+    for name in names:
+        make, vertices, seed = made[name]
+        random = np.random.RandomState(seed)
+        truth = make(random)
+        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+        chosen = true_points(truth)
+        errors, flipped = [], 0
+        for optimised, where in ((False, ""), (True, ""), (True, "later"), (True, "first")):
+            project = propagated(meshes, anchors=[x[chosen] for x in truth.shapes], where=where)
+            if optimised:
+                project.apply_filter("compute_spherical_parameterisation_groupwise")
+            found = landmarks(project)
+            faces = project.mesh(SHAPES).face_matrix()
+            errors.append(error_of_pairs(measure, truth, found, faces))
+            flipped += flips(measure, project)
+        cells = [name, *(f"{error:.2f}" for error in errors), flipped]
+        print("| " + " | ".join(map(str, cells)) + " |", flush=True)
 
 
 def print_skulls(data):
@@ -314,6 +400,9 @@ def main():
     pymeshlab.load_plugin(str(PLUGIN))
     if names[:1] == ["--measures"]:
         print_measures(data, measure, names[1:])
+        return
+    if names[:1] == ["--anchors"]:
+        print_anchors(data, measure, names[1:])
         return
     if names[:1] == ["--skulls"]:
         print_skulls(data)

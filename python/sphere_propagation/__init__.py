@@ -43,6 +43,7 @@ from .filters import (
     shape_model,
 )
 from .fitting import Fit, fit
+from .leaving_out import RebuiltGeneralisation, rebuilt_generalisation
 from .model import ShapeModel
 from .model_files import name_landmarks, read_model
 from .morphing import Morph, morph
@@ -68,6 +69,7 @@ __all__ = [
     "PluginError",
     "PreparedSurface",
     "Propagation",
+    "RebuiltGeneralisation",
     "ShapeModel",
     "SpherePropagationError",
     "SpherePropagationWarning",
@@ -93,6 +95,7 @@ __all__ = [
     "read_mesh",
     "read_meshes",
     "read_model",
+    "rebuilt_generalisation",
     "remesh",
     "shape_model",
     "warnings_of",
