@@ -2,7 +2,10 @@
 // "Optimise parameterisations groupwise": the maps of a population are moved until one model of
 // shape explains all surfaces together.
 
+#include <cmath>
 #include <cstdint>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include "filter_sphere_propagation/anchor_sources.h"
@@ -23,6 +26,26 @@ constexpr host::Named<Alignment> poses[]{
 constexpr host::Named<GroupwiseObjective> objectives[]{
     {"Population model", GroupwiseObjective::PopulationModel},
     {"Description length", GroupwiseObjective::DescriptionLength}};
+
+enum class GroupwiseAnchors { Off, Soft };
+constexpr host::Named<GroupwiseAnchors> groupwiseAnchors[]{{"Off", GroupwiseAnchors::Off},
+                                                           {"Soft", GroupwiseAnchors::Soft}};
+
+/// Those that layers carry, of all layers, or none at all. Names those that one layer alone has.
+std::vector<AnchorSet> anchorsOf(const host::Task& task, const std::vector<MappedLayer>& layers) {
+  std::vector<AnchorSet> sets;
+  std::map<std::string, int> shared;
+  for (const MappedLayer& layer : layers) {
+    sets.push_back(layer.layer.anchors());
+    for (const auto& [name, place] : sets.back()) ++shared[name];
+    if (!sets.back().empty()) warnOfFarAnchors(task, layer.layer, sets.back());
+  }
+  std::vector<std::string> lonely;
+  for (const auto& [name, count] : shared)
+    if (count < 2) lonely.push_back(name);
+  if (!lonely.empty()) task.say(messages::anchorsOnOneLayer, namesIn(lonely));
+  return shared.size() > lonely.size() ? sets : std::vector<AnchorSet>{};
+}
 
 Eigen::VectorXd vectorOf(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -53,6 +76,8 @@ class GroupwiseFilter : public host::Filter {
             help_.parameter("iterations", defaults.iterations),
             help_.parameter("surface_precision", defaults.surfacePrecision),
             help_.parameter("objective", host::choiceOf(objectives, defaults.objective)),
+            help_.parameter("anchors", host::choiceOf(groupwiseAnchors, GroupwiseAnchors::Soft)),
+            help_.parameter("anchor_sd", defaults.anchorDeviation),
             help_.parameter("prior_shapes", defaults.priorShapes).asAdvanced(),
             help_.parameter("frequency", defaults.frequency).asAdvanced(),
             help_.parameter("threads", 0).asAdvanced()};
@@ -66,6 +91,8 @@ class GroupwiseFilter : public host::Filter {
     parameters.objective = task.values.choice("objective", objectives);
     parameters.priorShapes = task.values.real("prior_shapes");
     parameters.frequency = task.values.integer("frequency");
+    parameters.anchorDeviation = task.values.real("anchor_sd");
+    const GroupwiseAnchors use = task.values.choice("anchors", groupwiseAnchors);
     requireValid(parameters);
     const int threads = task.values.integer("threads");
     requireRange("number of threads", threads, Range::atLeast(0));
@@ -77,6 +104,9 @@ class GroupwiseFilter : public host::Filter {
     std::vector<MappedSurface> maps;
     maps.reserve(layers.size());
     for (const MappedLayer& layer : layers) maps.push_back(layer.map);
+    if (use == GroupwiseAnchors::Soft) parameters.anchors = anchorsOf(task, layers);
+    if (!parameters.anchors.empty() && parameters.objective != GroupwiseObjective::PopulationModel)
+      task.say(messages::groupwiseLeavesAnchors);
     const Groupwise optimised =
         optimiseGroupwise(maps, pool, parameters, part(task.progress, 0.05, 0.95));
     return write(task, layers, optimised, stopwatch);
@@ -89,7 +119,8 @@ class GroupwiseFilter : public host::Filter {
     const auto entries = static_cast<Eigen::Index>(count);
     const int mark = markOf(optimised);
     MapFigures figures(count);
-    Eigen::VectorXd move(entries), residual(entries), repaired(entries), trust(entries);
+    Eigen::VectorXd move(entries), residual(entries), repaired(entries), trust(entries),
+        anchors(entries);
     for (size_t i = 0; i < count; ++i) {
       const host::Layer& layer = layers[i].layer;
       const GroupwiseShape& shape = optimised.shapes[i];
@@ -98,6 +129,7 @@ class GroupwiseFilter : public host::Filter {
       residual[row] = shape.modelResidual;
       repaired[row] = shape.repairedFaces;
       trust[row] = shape.trust;
+      anchors[row] = shape.anchorDistance;
       const MapMeasures measures = measureMap(layers[i].mesh.surface, shape.map.positions());
       if (const auto note = task.changes.setMap(layer, layers[i].mesh, shape.map, mark))
         task.tell(*note);
@@ -123,6 +155,13 @@ class GroupwiseFilter : public host::Filter {
     task.say(messages::groupwiseVariance, optimised.varianceBefore, optimised.varianceAfter);
     if (optimised.surfacePrecision > 0)
       task.say(messages::groupwisePrecision, optimised.surfacePrecision);
+    std::vector<double> anchored;
+    for (const double distance : anchors)
+      if (std::isfinite(distance)) anchored.push_back(distance);
+    if (!anchored.empty())
+      task.say(messages::groupwiseAnchored, anchored.size(),
+               std::accumulate(anchored.begin(), anchored.end(), 0.0) /
+                   static_cast<double>(anchored.size()));
     std::vector<std::string> held;
     for (const MappedLayer& layer : layers) {
       if (!holdsAnchors(layer.layer)) continue;
@@ -141,6 +180,7 @@ class GroupwiseFilter : public host::Filter {
         {"total_variance",
          Eigen::VectorXd(Eigen::Vector2d(optimised.varianceBefore, optimised.varianceAfter))},
         {"surface_precision", optimised.surfacePrecision}};
+    if (!anchored.empty()) outputs["anchor_distance_mean"] = anchors;
     figures.addTo(outputs);
     return outputs;
   }

@@ -233,7 +233,18 @@ def _correspond(
             attention.warn(
                 "groupwise moves the anchors that exact holds: where they must hold, leave it out."
             )
-        maps = _optimised(surfaces, maps, parameters.order, figures, name, progress, unit)
+        held = propagation.anchors
+        maps = _optimised(
+            surfaces,
+            maps,
+            parameters.order,
+            figures,
+            name,
+            progress,
+            unit,
+            anchors=None if held is None else held.of_surfaces(),
+            anchor_sd=parameters.anchor_sd,
+        )
     progress.begin(f"{name}: landmarks")
     landmarks = remesh(surfaces, maps, frequency=parameters.frequency)
     distances = dict(landmarks.figures)
@@ -315,6 +326,7 @@ def _optimised(
     name: str,
     progress: Silent,
     unit: str,
+    **anchors,
 ) -> List[SphereMap]:
     """The maps after optimise_groupwise, whose figures join or replace those of propagation."""
     if order in ("Time", "Cyclic time"):
@@ -323,7 +335,7 @@ def _optimised(
             "the motion, which knows more than what the phases have in common"
         )
     progress.begin(f"{name}: maps of {len(surfaces)} layers together")
-    found = optimise_groupwise(surfaces, maps)
+    found = optimise_groupwise(surfaces, maps, **anchors)
     for key, values in found.figures.items():
         added = key in ("repaired_faces", "seconds")
         figures[key] = figures[key] + values if added else values

@@ -183,7 +183,9 @@ class Optimisation:
     model_residual (root mean square of the distance along the normal between landmarks and where
     the population's model expects them), repaired_faces, trust (how much the surface counted in
     what was learnt, 1 or less where its shape does not belong to the others), flipped_faces,
-    area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds.
+    area_ratio_sd, area_log_mean, angle_error_mean (degrees), seconds; with anchors
+    anchor_distance_mean (how far a surface's anchors lie from the places that all agree on, NaN
+    where it has none).
     move_by_iteration: how far landmarks still were from where they were expected.
     total_variance: of the aligned landmarks, before and after.
     surface_precision: the one that was used.
@@ -675,6 +677,8 @@ def optimise_groupwise(
     objective: str = "Population model",
     prior_shapes: float = 2.0,
     frequency: int = 7,
+    anchors: Anchors = None,
+    anchor_sd: float = 0.0,
     threads: int = 0,
 ) -> Optimisation:
     """The maps of shapes in no order, moved until one shape model explains all of them together.
@@ -685,14 +689,23 @@ def optimise_groupwise(
     surface_precision: how much the surfaces count against the prior; 0: the recommended one.
     objective: Population model, or Description length for comparison.
     prior_shapes: for how many shapes the prior counts. frequency: of the icosphere of landmarks by
-    which shapes are compared. threads: how many work, 0 for as many as the machine runs at once;
-    the maps are the same with any number.
+    which shapes are compared.
+    anchors: points that correspond, per surface a dictionary (name -> x, y, z) or None, or a folder
+    of files, called as the surfaces are (docs/anchors.md); anchor_sd: how far each may be off in
+    each coordinate, as a standard deviation, 0 for the surface's mean edge length.
+    threads: how many work, 0 for as many as the machine runs at once; the maps are the same with
+    any number.
     """
     surfaces = as_surfaces(surfaces)
-    meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps))
+    places, folder = anchors_of(anchors, len(surfaces))
+    meshes = layers.mesh_set(surfaces, _maps_of(surfaces, maps), places)
+    if folder:
+        layers.apply(meshes, LOAD, file_name=folder)
     figures = layers.apply(
         meshes,
         GROUPWISE,
+        anchors="Off" if places is None and not folder else "Soft",
+        anchor_sd=real_number("anchor_sd", anchor_sd),
         alignment=alignment,
         iterations=iterations,
         surface_precision=surface_precision,

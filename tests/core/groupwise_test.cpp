@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "tests/core/sizes.h"
@@ -418,6 +419,84 @@ TEST(Groupwise, TrustsFewShapesAndThoseOfAnyVariance) {
   EXPECT_EQ(trustIn(1, 0), 0);
 }
 
+/// Bodies that look the same however their material is turned about their axis, with maps that do
+/// not know of it, and anchors at some of their material points.
+struct BodiesOfRevolution {
+  explicit BodiesOfRevolution(int count) : sphere(test::icosphereMesh(sizeFor(12, 6))) {
+    for (int k = 0; k < count; ++k) {
+      const double turn = 0.3 * std::sin(2.0 * k), length = 1.6 + 0.1 * std::cos(1.0 * k);
+      const Eigen::Matrix3d by = Eigen::AngleAxisd(turn, Vector3::UnitX()).toRotationMatrix();
+      const Points there = sphere.vertices * by.transpose(),
+                   body = 10 * there * Eigen::DiagonalMatrix<double, 3>(length, 1, 1);
+      maps.emplace_back(ClosedSurface(body, sphere.faces), there);
+      AnchorSet set;
+      for (int a = 0; a < 6; ++a)
+        set["anchor " + std::to_string(a)] =
+            body.row((2 * a + 1) * sphere.vertices.rows() / 12).transpose();
+      anchors.push_back(set);
+    }
+  }
+
+  /// Mean distance between where the landmarks of two shapes are in the material, in radii.
+  double error(const std::vector<MappedSurface>& found) const {
+    const Points u = icosphere(5).vertices;
+    double sum = 0;
+    const auto places = [&](const MappedSurface& map) {
+      return remesh(MappedSurface(ClosedSurface(sphere.vertices, sphere.faces), map.positions()), u)
+          .landmarks;
+    };
+    for (size_t k = 1; k < found.size(); ++k)
+      sum += (places(found[k]) - places(found[k - 1])).rowwise().norm().mean();
+    return sum / static_cast<double>(found.size() - 1);
+  }
+
+  Mesh sphere;
+  std::vector<MappedSurface> maps;
+  std::vector<AnchorSet> anchors;
+};
+
+TEST(Groupwise, AnchorsSayWhatSurfacesDoNotShow) {
+  const BodiesOfRevolution bodies(6);
+  ThreadPool pool(2);
+  GroupwiseParameters parameters = sized();
+  parameters.iterations = 5;
+  parameters.alignment = Alignment::None;
+  const double before = bodies.error(bodies.maps),
+               without = bodies.error(mapsOf(optimiseGroupwise(bodies.maps, pool, parameters)));
+  EXPECT_GT(without, 0.7 * before);
+  parameters.anchors = bodies.anchors;
+  parameters.anchors[0]["of one shape"] = Vector3(1, 2, 3);
+  const Groupwise found = optimiseGroupwise(bodies.maps, pool, parameters);
+  EXPECT_LT(bodies.error(mapsOf(found)), (test::underSanitizer() ? 0.9 : 0.5) * before);
+  for (const GroupwiseShape& shape : found.shapes) {
+    EXPECT_LT(shape.anchorDistance, test::underSanitizer() ? 2 : 0.6);  // of 16
+    EXPECT_TRUE(certify(shape.map.faces(), shape.map.positions()).valid());
+  }
+}
+
+TEST(Groupwise, AnchorsOfSomeShapesAlone) {
+  if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
+  const BodiesOfRevolution bodies(4);
+  ThreadPool pool(1);
+  GroupwiseParameters parameters = sized();
+  parameters.iterations = 1;
+  parameters.anchors = bodies.anchors;
+  parameters.anchors[1].clear();
+  const Groupwise found = optimiseGroupwise(bodies.maps, pool, parameters);
+  EXPECT_GT(found.shapes[0].anchorDistance, 0);
+  EXPECT_TRUE(std::isnan(found.shapes[1].anchorDistance));
+  parameters.anchors.pop_back();
+  EXPECT_THROW(optimiseGroupwise(bodies.maps, pool, parameters), ParameterError);
+  // Names that nobody shares change nothing.
+  parameters.anchors.assign(4, {});
+  parameters.anchors[2]["alone"] = Vector3(0, 0, 1);
+  const Groupwise alone = optimiseGroupwise(bodies.maps, pool, parameters);
+  parameters.anchors.clear();
+  const Groupwise none = optimiseGroupwise(bodies.maps, pool, parameters);
+  for (size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(alone.shapes[k].map.positions(), none.shapes[k].map.positions());
+}
+
 TEST(Groupwise, LeavesRightMapsNearlyWhereTheyAre) {
   if (test::underThreadSanitizer()) GTEST_SKIP() << "starts no thread";
   const Family family(6);
@@ -485,6 +564,36 @@ TEST(Groupwise, FindsWhatPropagationSqueezed) {
   EXPECT_LT(family.error(mapsOf(found)), 0.3 * family.error(maps));
   EXPECT_GT(found.shapes[2].squeezed, 0.15);
   EXPECT_EQ(found.shapes[0].squeezed, 0);
+}
+
+TEST(Groupwise, AreasThatDifferBecauseShapesDoAreNotOpened) {
+  if (test::underSanitizer()) GTEST_SKIP() << "runs what others run";
+  // A limb that is long on some shapes: the right maps give it little of the sphere.
+  const Mesh sphere = test::icosphereMesh(16);
+  const Vector3 tip = Vector3(1, 2, -1).normalized();
+  std::vector<MappedSurface> maps;
+  for (int k = 0; k < 8; ++k) {
+    const double length = k % 3 == 2 ? 3 : 0.4 + 0.1 * std::sin(k);
+    Points body = sphere.vertices;
+    for (auto x : body.rowwise()) {
+      const double near = std::exp((x.dot(tip.transpose()) - 1) / 0.05);
+      x = (1 + 0.15 * x[0] * x[1] + length * near) * Eigen::RowVector3d(1.5 * x[0], x[1], x[2]);
+    }
+    maps.emplace_back(ClosedSurface(10 * body, sphere.faces), sphere.vertices);
+  }
+  maps[0] = squeezed(maps[0], 10);  // where something was lost
+  ThreadPool pool(1);
+  const std::vector<OpenedMap> opened = openedMaps(maps, pool);
+  GroupwiseParameters parameters = sized();
+  parameters.alignment = Alignment::None;
+  parameters.iterations = 1;
+  const Groupwise found = optimiseGroupwise(maps, pool, parameters);
+  for (const size_t k : {2, 5}) {
+    EXPECT_GT(opened[k].squeezed, 0.02) << k;
+    EXPECT_GT(largestAngle(opened[k].map.positions(), maps[k].positions()), 0.3) << k;
+    EXPECT_EQ(found.shapes[k].squeezed, 0) << k;
+  }
+  EXPECT_GT(found.shapes[0].squeezed, 0.15);
 }
 
 TEST(Groupwise, ShapesThatAgreeStayAsTheyAre) {
@@ -558,6 +667,7 @@ TEST(Groupwise, RefusesWhatIsOutOfRange) {
   refused([](GroupwiseParameters& p) { p.surfacePrecision = -1; });
   refused([](GroupwiseParameters& p) { p.surfacePrecision = std::nan(""); });
   refused([](GroupwiseParameters& p) { p.priorShapes = 0; });
+  refused([](GroupwiseParameters& p) { p.anchorDeviation = -1; });
   refused([](GroupwiseParameters& p) { p.frequency = 2; });
   refused([](GroupwiseParameters& p) { p.frequency = 31; });
 }

@@ -81,6 +81,8 @@ PARAMETERS = {
         "iterations": 8,
         "surface_precision": 0.0,
         "objective": ["Population model", "Description length"],
+        "anchors": ["Off", "Soft"],
+        "anchor_sd": 0.0,
         "prior_shapes": 2.0,
         "frequency": 7,
         "threads": 0,

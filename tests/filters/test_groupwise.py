@@ -117,6 +117,7 @@ def test_threads_change_nothing(eggs):
         {"frequency": 2},
         {"frequency": 31},
         {"threads": -1},
+        {"anchor_sd": -1.0},
     ],
 )
 def test_what_is_out_of_range_is_refused_and_nothing_changes(eggs, wrong):
@@ -142,6 +143,41 @@ def test_layers_without_a_map_are_left_out(eggs):
     assert len(found["tangential_move"]) == 3 and b"leftOutWithoutMap" in bytes(
         found["warnings"].astype(np.uint8)
     )
+
+
+def with_anchors(eggs, count=5, names=("tip", "side", "end")):
+    """Each at the vertex of its own, which is the same material on all of them."""
+    ms = project(eggs)
+    v = eggs[0][0]
+    at = dict(zip(names, (v[:, 0].argmax(), v[:, 1].argmax(), v[:, 0].argmin())))
+    for mesh in list(ms)[:count]:
+        x = mesh.vertex_matrix()
+        for name, vertex in at.items():
+            places = np.tile(x[vertex], (len(x), 1))
+            mesh.add_vertex_custom_point_attribute(places, f"anchor_{name}")
+    return ms
+
+
+def test_anchors_that_layers_carry_are_brought_together(eggs):
+    ms, off = with_anchors(eggs, 4), with_anchors(eggs, 4)
+    found = ms.apply_filter(GROUPWISE, iterations=3, anchor_sd=0.01 * np.abs(eggs[0][0]).max())
+    plain = off.apply_filter(GROUPWISE, iterations=3, anchors="Off")
+    assert "anchor_distance_mean" not in plain
+    distance = found["anchor_distance_mean"]
+    assert np.isfinite(distance[:4]).all() and np.isnan(distance[4])
+    assert (distance[:4] < 0.02 * np.abs(eggs[0][0]).max()).all()
+    assert not np.allclose(positions(ms.mesh(0)), positions(off.mesh(0)), atol=1e-4)
+    assert ms.apply_filter(EVALUATE)["valid"].all()
+
+
+def test_anchors_of_one_layer_alone_and_of_the_other_objective_are_named(eggs):
+    ms = with_anchors(eggs, 1, ("typo",))
+    found = ms.apply_filter(GROUPWISE, iterations=1)
+    assert "anchor_distance_mean" not in found
+    assert "anchorsOnOneLayer" in [message for _, message in said(found)]
+    ms = with_anchors(eggs)
+    found = ms.apply_filter(GROUPWISE, iterations=1, objective="Description length")
+    assert "groupwiseLeavesAnchors" in [message for _, message in said(found)]
 
 
 def test_anchors_that_held_exactly_are_said_to_move(eggs):

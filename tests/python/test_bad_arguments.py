@@ -25,6 +25,10 @@ FUNCTIONS = {
     sp.correspond: lambda job: (job.surfaces,),
     sp.parameterise_root: lambda job: (job.surfaces[0],),
     sp.propagate: lambda job: (job.surfaces, job.root_map),
+    partial(sp.optimise_groupwise, iterations=1, frequency=3): lambda job: (
+        job.surfaces,
+        job.maps,
+    ),
     sp.remesh: lambda job: (job.surfaces, job.maps),
     sp.prepare: lambda job: (job.surfaces[0],),
     sp.evaluate: lambda job: (job.surfaces, job.maps),

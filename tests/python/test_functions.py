@@ -33,6 +33,7 @@ FUNCTIONS = {
         filters.COLOR,
         {"store_area_ratio", "landmark_layers"},
     ),  # nor is there quality, nor landmark layers
+    sp.optimise_groupwise: (filters.GROUPWISE, {"anchors"}),  # as of propagate
     sp.make_phantom: (filters.PHANTOM, set()),
     sp.prepare: (preparation.PREPARE, {"all_visible"}),  # there is one
 }
@@ -80,6 +81,11 @@ def test_parameters_are_the_filters(function):
         assert found.pop("anchor_positions") is None and not meant.pop("anchor_positions")
     if function is sp.propagate:
         del found["anchors"], found["exact"]  # which are one there
+    if function is sp.optimise_groupwise:
+        del found["anchors"]
+        # Which has fewer choices than that of a model, and another default.
+        assert found.pop("alignment") == "Rigid" and meant.pop("alignment") == 0
+        assert found.pop("objective") == "Population model" and meant.pop("objective") == 0
     assert set(found) == set(meant) - left_out
     for parameter, default in found.items():
         value = default
@@ -452,6 +458,27 @@ def test_groupwise_moves_the_maps_of_a_population(cycle):
     assert "Optimisation(4 maps, 0 flipped faces" in repr(again)
     measures = sp.evaluate(surfaces, again.maps)
     assert measures["valid"].all()
+
+
+def test_groupwise_heeds_anchors(cycle, tmp_path):
+    surfaces, maps = cycle.surfaces[:3], cycle.maps[:3]
+    anchors = [dict(zip("abcd", shape[[0, 50, 100, 161]])) for shape in cycle.landmarks[:3]]
+    anchors[1]["a"] = anchors[1]["a"] + 8 * (anchors[1]["b"] - anchors[1]["a"]) / np.linalg.norm(
+        anchors[1]["b"] - anchors[1]["a"]
+    )
+    plain = sp.optimise_groupwise(surfaces, maps, iterations=2)
+    found = sp.optimise_groupwise(surfaces, maps, iterations=2, anchors=anchors, anchor_sd=0.1)
+    assert "anchor_distance_mean" not in plain.figures
+    assert (found.figures["anchor_distance_mean"] < 4).all()
+    assert not np.allclose(found.maps[1].positions, plain.maps[1].positions, atol=1e-3)
+    for k, its in enumerate(anchors):
+        rows = ["name,x,y,z", *(f"{name},{x},{y},{z}" for name, (x, y, z) in its.items())]
+        (tmp_path / f"{k}.csv").write_text("\n".join(rows))
+    named = [sp.Surface(s.vertices, s.faces, str(k)) for k, s in enumerate(surfaces)]
+    again = sp.optimise_groupwise(named, maps, iterations=2, anchors=tmp_path, anchor_sd=0.1)
+    assert all(
+        np.allclose(a.positions, b.positions, atol=1e-5) for a, b in zip(found.maps, again.maps)
+    )
 
 
 def test_groupwise_says_that_it_is_not_for_motion(cycle):

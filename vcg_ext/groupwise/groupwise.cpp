@@ -12,6 +12,7 @@
 #include "vcg_ext/groupwise/description_length.h"
 #include "vcg_ext/groupwise/moving_landmarks.h"
 #include "vcg_ext/groupwise/opened_maps.h"
+#include "vcg_ext/groupwise/population_anchors.h"
 #include "vcg_ext/groupwise/population_model.h"
 #include "vcg_ext/groupwise/population_pose.h"
 #include "vcg_ext/mesh/surface_geometry.h"
@@ -51,9 +52,17 @@ class Population {
       area += faceAreas(surface.surface().vertices(), surface.faces()).sum();
     radius_ = radiusOfSphere(area / static_cast<double>(surfaces.size()));
     shapes_ = pool.makeEach(static_cast<int>(surfaces.size()), [&](int k) {
-      const MappedSurface& given = surfaces[static_cast<size_t>(k)];
-      return std::make_unique<MovingLandmarks>(given.of(scaled(given.surface())), sphere_);
+      return std::make_unique<MovingLandmarks>(scaled(surfaces[static_cast<size_t>(k)]), sphere_);
     });
+  }
+
+  /// Before anything moved. map: of the same surface.
+  void replace(int k, const MappedSurface& map) {
+    shapes_[static_cast<size_t>(k)] = std::make_unique<MovingLandmarks>(scaled(map), sphere_);
+  }
+  /// What replace would make of a shape's landmarks.
+  SurfaceLandmarks landmarksOf(const MappedSurface& map) const {
+    return LandmarkReader(scaled(map)).read(sphere_->vertices);
   }
 
   int count() const { return static_cast<int>(shapes_.size()); }
@@ -99,9 +108,45 @@ class Population {
            Points((shapes_[i]->landmarks().points - then[i]) * pose.turns[i].transpose());
   }
 
+  /// The user's, where they are by now. sets, deviation: in the surfaces' unit.
+  PopulationAnchors anchors(const std::vector<AnchorSet>& sets, double deviation) const {
+    std::vector<MappedSurface> maps;
+    std::vector<AnchorSet> scaled = sets;
+    for (const auto& shape : shapes_) maps.push_back(shape->surface());
+    for (AnchorSet& set : scaled)
+      for (auto& [name, point] : set) point /= radius_;
+    return {scaled, maps, deviation / radius_, sphere_};
+  }
+
+  /// In the frame of the shapes, not of a pose.
+  std::vector<std::vector<PlacedAnchor>> placed(const PopulationAnchors& anchors,
+                                                const Eigen::VectorXd& trust) const {
+    return anchors.placed(pool_.makeEach(count(),
+                                         [&](int k) -> Points {
+                                           const auto i = static_cast<size_t>(k);
+                                           return shapes_[i]->undone(anchors.directions(i));
+                                         }),
+                          trust);
+  }
+
+  /// By shape, the mean distance of its anchors from the common places; NaN where it has none.
+  std::vector<double> distancesOf(const PopulationAnchors& anchors, const Eigen::VectorXd& trust) {
+    const std::vector<std::vector<PlacedAnchor>> there = placed(anchors, trust);
+    return pool_.makeEach(count(), [&](int k) {
+      const auto i = static_cast<size_t>(k);
+      const auto its = static_cast<Eigen::Index>(there[i].size());
+      if (its == 0) return std::nan("");
+      Points directions(its, 3);
+      for (Eigen::Index a = 0; a < its; ++a)
+        directions.row(a) = there[i][static_cast<size_t>(a)].direction.transpose();
+      const Points here = shapes_[i]->read(shapes_[i]->followed(std::move(directions)));
+      return (here - anchors.points(i)).rowwise().norm().mean();
+    });
+  }
+
  private:
-  ClosedSurface scaled(const ClosedSurface& surface) const {
-    return surface.withVertices(surface.vertices() / radius_);
+  MappedSurface scaled(const MappedSurface& map) const {
+    return map.of(map.surface().withVertices(map.surface().vertices() / radius_));
   }
 
   const GroupwiseParameters& parameters_;
@@ -111,47 +156,35 @@ class Population {
   std::vector<std::unique_ptr<MovingLandmarks>> shapes_;
 };
 
-/// Maps that begin what is optimised, and the share of each surface that was opened.
-struct Start {
-  std::vector<MappedSurface> maps;
-  std::vector<double> opened;
-};
-
+/// Opens the maps that squeeze, each as far as the others say that something was lost. Returns the
+/// share of each surface that was opened.
+///
 /// Areas that differ because shapes do are no loss, and who opens them leads landmarks away from
 /// the others. So of what opening makes of a map that is taken which opens most and brings the
 /// shape to the mean of the maps that came, along its normals, nearly as close as any.
-Start startOf(const std::vector<MappedSurface>& given, const GroupwiseParameters& parameters,
-              ThreadPool& pool) {
+std::vector<double> openWhereLost(Population& population, const std::vector<MappedSurface>& given,
+                                  Alignment alignment, ThreadPool& pool) {
   const std::vector<OpenedMap> opened = openedMaps(given, pool);
-  Start start{given, std::vector<double>(given.size(), 0)};
+  std::vector<double> shares(given.size(), 0);
   if (std::all_of(opened.begin(), opened.end(),
                   [](const OpenedMap& one) { return one.squeezed == 0; }))
-    return start;
-  std::vector<MappedSurface> most, pockets;
-  for (const OpenedMap& one : opened) {
-    most.push_back(one.map);
-    pockets.push_back(one.pockets);
-  }
-  const Population whole(given, parameters, pool);
-  const PopulationPose pose = whole.pose();
-  const auto distancesOf = [&](const Population& population) {
-    const std::vector<Points> points = population.points(), normals = population.normals();
-    return pool.makeEach(population.count(), [&](int k) {
-      const auto i = static_cast<size_t>(k);
-      return distanceAlongNormals(pose, points[i], normals[i], parameters.alignment);
-    });
-  };
-  const std::vector<double> asGiven = distancesOf(whole),
-                            ofPockets = distancesOf(Population(pockets, parameters, pool)),
-                            ofMost = distancesOf(Population(most, parameters, pool));
-  for (size_t k = 0; k < given.size(); ++k) {
-    if (opened[k].squeezed == 0) continue;
-    const double enough = nearlyAsClose * std::min({asGiven[k], ofPockets[k], ofMost[k]});
-    if (ofMost[k] > enough && ofPockets[k] > enough) continue;
-    start.maps[k] = ofMost[k] <= enough ? most[k] : pockets[k];
-    start.opened[k] = opened[k].squeezed;
-  }
-  return start;
+    return shares;
+  const PopulationPose pose = population.pose();
+  pool.forEach(population.count(), [&](int k) {
+    const auto i = static_cast<size_t>(k);
+    if (opened[i].squeezed == 0) return;
+    const auto distanceOf = [&](const SurfaceLandmarks& landmarks) {
+      return distanceAlongNormals(pose, landmarks.points, landmarks.normals, alignment);
+    };
+    const double asGiven = distanceOf(population.shape(k).landmarks()),
+                 ofPockets = distanceOf(population.landmarksOf(opened[i].pockets)),
+                 ofMost = distanceOf(population.landmarksOf(opened[i].map)),
+                 enough = nearlyAsClose * std::min({asGiven, ofPockets, ofMost});
+    if (ofMost > enough && ofPockets > enough) return;
+    population.replace(k, ofMost <= enough ? opened[i].map : opened[i].pockets);
+    shares[i] = opened[i].squeezed;
+  });
+  return shares;
 }
 
 double meanOf(const std::vector<double>& values) {
@@ -163,9 +196,29 @@ double rootMeanSquare(const Points& rows, const Eigen::VectorXd& weights) {
   return std::sqrt(rows.rowwise().squaredNorm().dot(weights));
 }
 
+/// From where a shape has the common places of its anchors to where the user says that they are.
+Pulls pullsOf(const std::vector<PlacedAnchor>& anchors, MovingLandmarks& shape,
+              const PopulationPose& pose, int k, const Points& then, double precision) {
+  const auto count = static_cast<Eigen::Index>(anchors.size());
+  Pulls pulls{Points(count, 3), Points(count, 3), Eigen::VectorXd(count)};
+  for (Eigen::Index a = 0; a < count; ++a)
+    pulls.directions.row(a) = anchors[static_cast<size_t>(a)].direction.transpose();
+  pulls.directions = shape.followed(std::move(pulls.directions));
+  const Points here = shape.read(pulls.directions);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const PlacedAnchor& anchor = anchors[static_cast<size_t>(a)];
+    pulls.displacements.row(a) =
+        (anchor.point - pose.aligned(static_cast<size_t>(k), then, here.row(a).transpose()))
+            .transpose();
+    pulls.weights[a] = shareOf(anchor, precision);
+  }
+  return pulls;
+}
+
 /// The model is learnt, and the landmarks flow to where it expects them. Returns how far they were;
 /// the pose gets the trust that was found.
 double improveByModel(Population& population, PopulationPose& pose,
+                      const PopulationAnchors& anchors,
                       const std::shared_ptr<const SphereFields>& fields,
                       const PopulationModelParameters& parameters, ThreadPool& pool,
                       Eigen::VectorXd& residuals) {
@@ -173,7 +226,13 @@ double improveByModel(Population& population, PopulationPose& pose,
   const std::vector<Points> then = population.points();
   std::vector<Points> normals =
       pool.makeEach(count, [&](int k) -> Points { return population.normals(pose, k); });
-  const PopulationFit fit = fitPopulation(pose, normals, parameters, pool);
+  std::vector<std::vector<PlacedAnchor>> placed;
+  if (!anchors.empty()) {
+    placed = population.placed(anchors, pose.trust);
+    for (size_t k = 0; k < placed.size(); ++k)
+      for (PlacedAnchor& anchor : placed[k]) anchor.point = pose.aligned(k, then[k], anchor.point);
+  }
+  const PopulationFit fit = fitPopulation(pose, normals, parameters, pool, placed);
   residuals = fit.residuals;
   pose.trust = fit.trust;
   const double trusted = fit.trust.sum();
@@ -195,10 +254,12 @@ double improveByModel(Population& population, PopulationPose& pose,
       const auto i = static_cast<size_t>(k);
       gaps[i] -= common;
       moves[i] = rootMeanSquare(gaps[i], pose.weights);
-      population.shape(k).move(
-          fields,
-          population.shape(k).fieldFor(*fields, pose.turns[i], gaps[i], pose.weights, modelDamping),
-          longestMove * fields->width());
+      MovingLandmarks& shape = population.shape(k);
+      const Pulls pulls =
+          placed.empty() ? Pulls() : pullsOf(placed[i], shape, pose, k, then[i], fit.precision);
+      shape.move(fields,
+                 shape.fieldFor(*fields, pose.turns[i], gaps[i], pose.weights, modelDamping, pulls),
+                 longestMove * fields->width());
     });
     if (flow == 0) far = meanOf(moves);
   }
@@ -245,6 +306,7 @@ void requireValid(const GroupwiseParameters& parameters) {
   requireRange("surface precision", parameters.surfacePrecision, Range::between(0, 1e6));
   requireRange("number of prior shapes", parameters.priorShapes, Range::between(0.01, 1e6));
   requireRange("frequency", parameters.frequency, Range::between(3, 30));
+  requireRange("standard deviation of anchors", parameters.anchorDeviation, Range::atLeast(0));
 }
 
 Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPool& pool,
@@ -252,9 +314,10 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
   requireValid(parameters);
   requireRange("number of shapes", static_cast<double>(surfaces.size()),
                Range::atLeast(minGroupwiseShapes));
-  const Start start = startOf(surfaces, parameters, pool);
+  Population population(surfaces, parameters, pool);
+  const std::vector<double> opened =
+      openWhereLost(population, surfaces, parameters.alignment, pool);
   report(progress, 0.05);
-  Population population(start.maps, parameters, pool);
   const int count = population.count();
   const std::vector<Points> first = population.points();
   const double radius = population.radius();
@@ -263,6 +326,7 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
   Groupwise result;
   result.varianceBefore = pose.variance() * radius * radius;
   Eigen::VectorXd residuals = Eigen::VectorXd::Zero(count);
+  std::vector<double> distances;  // of anchors
   const auto working = [&](int i) { return 0.05 + 0.85 * i / parameters.iterations; };
   if (parameters.objective == GroupwiseObjective::PopulationModel) {
     const auto fields = std::make_shared<const SphereFields>(fieldFrequency, fieldWidth);
@@ -270,13 +334,16 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     model.priorShapes = parameters.priorShapes;
     model.surfacePrecision = result.surfacePrecision =
         parameters.surfacePrecision > 0 ? parameters.surfacePrecision : defaultPrecision;
+    const PopulationAnchors anchors =
+        population.anchors(parameters.anchors, parameters.anchorDeviation);
     pose = population.firstPose();
     for (int i = 0; i < parameters.iterations && pose.variance() > noVariance; ++i) {
       report(progress, working(i));
-      result.moves.push_back(radius *
-                             improveByModel(population, pose, fields, model, pool, residuals));
+      result.moves.push_back(
+          radius * improveByModel(population, pose, anchors, fields, model, pool, residuals));
       pose = population.poseAfter(pose);
     }
+    if (!anchors.empty()) distances = population.distancesOf(anchors, pose.trust);
   } else {
     std::mt19937 random(0);
     constexpr int levelCount = sizeof(levels) / sizeof(levels[0]);
@@ -307,7 +374,8 @@ Groupwise optimiseGroupwise(const std::vector<MappedSurface>& surfaces, ThreadPo
     const Eigen::VectorXd moved = (last[i] - first[i]).rowwise().norm();
     result.shapes.push_back({maps[i].map.of(surfaces[i].surface()),
                              radius * moved.dot(pose.weights), radius * residuals[k],
-                             maps[i].repairedFaces, maps[i].share, pose.trust[k], start.opened[i]});
+                             maps[i].repairedFaces, maps[i].share, pose.trust[k], opened[i],
+                             distances.empty() ? std::nan("") : radius * distances[i]});
   }
   report(progress, 1);
   return result;

@@ -17,8 +17,10 @@
 /// gradient descent optimization of description length, 2005, minimise it, with area weights
 /// (description_length.h). It lowers its own cost, not reliably the error: see docs/groupwise.md.
 
+#include <cmath>
 #include <vector>
 
+#include "vcg_ext/anchors/anchor_set.h"
 #include "vcg_ext/base/progress.h"
 #include "vcg_ext/base/thread_pool.h"
 #include "vcg_ext/model/procrustes.h"
@@ -38,6 +40,12 @@ struct GroupwiseParameters {
   double surfacePrecision = 0;  ///< that of the surfaces over that of the prior; 0: 1000
   double priorShapes = 2;       ///< for how many shapes the prior counts, above 0
   int frequency = 7;            ///< of the icosphere of landmarks, 3 to 30
+  /// Points that correspond (population_anchors.h), one set per shape, or none at all; of
+  /// PopulationModel. Names that one shape alone has say nothing.
+  std::vector<AnchorSet> anchors = {};
+  /// Standard deviation of an anchor per coordinate, in the shapes' unit; 0: the mean edge length
+  /// of its surface.
+  double anchorDeviation = 0;
 };
 
 /// The fewest shapes that have anything in common.
@@ -55,6 +63,8 @@ struct GroupwiseShape {
                               ///< where its shape does not belong to the others
   double squeezed = 0;        ///< share of its surface that had too little of the sphere on the map
                               ///< that came, and was opened first (opened_maps.h)
+  double anchorDistance = std::nan("");  ///< mean distance of its anchors from the places that the
+                                         ///< shapes agree on; NaN: it has none that others have
 };
 
 struct Groupwise {

@@ -38,27 +38,38 @@ MovingLandmarks::MovingLandmarks(const MappedSurface& surface,
 
 Eigen::VectorXd MovingLandmarks::fieldFor(const SphereFields& fields, const Eigen::Matrix3d& turn,
                                           const Points& displacements,
-                                          const Eigen::VectorXd& weights, double damping) const {
+                                          const Eigen::VectorXd& weights, double damping,
+                                          const Pulls& pulls) {
   // A landmark moves in the plane of its face, so two coordinates say all.
-  const Eigen::Index count = directions_.rows();
+  const Eigen::Index landmarks = directions_.rows(), count = landmarks + pulls.directions.rows();
+  Points at(count, 3);
+  at.topRows(landmarks) = directions_;
+  at.bottomRows(count - landmarks) = pulls.directions;
+  const SurfaceLandmarks pulled =
+      count > landmarks ? reader_.read(pulls.directions) : SurfaceLandmarks{};
   Points functionals(2 * count, 3);
   Eigen::VectorXf target(2 * count);
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Eigen::Matrix3d derivative = turn * landmarks_.derivatives[static_cast<size_t>(j)];
+    const bool isLandmark = j < landmarks;
+    const Eigen::Index i = isLandmark ? j : j - landmarks;
+    const Eigen::Matrix3d derivative =
+        turn * (isLandmark ? landmarks_ : pulled).derivatives[static_cast<size_t>(i)];
+    const Vector3 displacement =
+        (isLandmark ? displacements : pulls.displacements).row(i).transpose();
     Vector3 s, t;
-    tangentFrame(directions_.row(j).transpose(), s, t);
+    tangentFrame(at.row(j).transpose(), s, t);
     Vector3 first = derivative * s, second = derivative * t;
     if (second.squaredNorm() > first.squaredNorm()) first.swap(second);
     first.stableNormalize();
     second -= second.dot(first) * first;
     second.stableNormalize();
-    const double root = std::sqrt(weights[j]);
+    const double root = std::sqrt((isLandmark ? weights : pulls.weights)[i]);
     functionals.row(2 * j) = root * first.transpose() * derivative;
     functionals.row(2 * j + 1) = root * second.transpose() * derivative;
-    target[2 * j] = static_cast<float>(root * first.dot(displacements.row(j).transpose()));
-    target[2 * j + 1] = static_cast<float>(root * second.dot(displacements.row(j).transpose()));
+    target[2 * j] = static_cast<float>(root * first.dot(displacement));
+    target[2 * j + 1] = static_cast<float>(root * second.dot(displacement));
   }
-  const RowsF rows = fields.rows(directions_, functionals);
+  const RowsF rows = fields.rows(at, functionals);
   Eigen::MatrixXf system = sumOfOuterProducts(rows);
   const float strength =
       static_cast<float>(damping) * system.trace() / std::max(fields.gram().trace(), 1e-30F);
@@ -82,6 +93,17 @@ void MovingLandmarks::move(std::shared_ptr<const SphereFields> fields, Eigen::Ve
     steps_.push_back({std::move(fields), part * theta});
     return;
   }
+}
+
+Points MovingLandmarks::followed(Points points) const {
+  for (const Step& step : steps_) points = step.fields->flow(points, step.theta);
+  return points;
+}
+
+Points MovingLandmarks::undone(Points points) const {
+  for (auto step = steps_.rbegin(); step != steps_.rend(); ++step)
+    points = step->fields->flow(points, step->theta, -1);
+  return points;
 }
 
 FollowedMap MovingLandmarks::map() const {

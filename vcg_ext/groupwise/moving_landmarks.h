@@ -17,6 +17,13 @@ struct FollowedMap {
   double share = 1;       ///< of the flows that the map could follow: 1, 0.75, 0.5, 0.25 or 0
 };
 
+/// Where else than at the landmarks a field is asked for a displacement.
+struct Pulls {
+  Points directions = Points(0, 3);     ///< #A by 3: phi(u)
+  Points displacements = Points(0, 3);  ///< #A by 3, as the landmarks' are
+  Eigen::VectorXd weights;
+};
+
 /// One surface with a map P, and phi, a composition of flows on the sphere: landmark j is the point
 /// that P sends to phi(u_j), u_j a vertex of an icosphere. phi is a diffeomorphism, so the map
 /// phi^-1 after P is one that sends landmark j to u_j.
@@ -25,16 +32,23 @@ class MovingLandmarks {
   /// sphere: the u_j, shared by all surfaces of a population.
   MovingLandmarks(const MappedSurface& surface, std::shared_ptr<const Icosphere> sphere);
 
+  const MappedSurface& surface() const { return surface_; }  ///< with P
   const SurfaceLandmarks& landmarks() const { return landmarks_; }
   const Points& directions() const { return directions_; }  ///< phi(u_j)
 
   /// The field that moves landmarks along the surface as near to these displacements as it can:
   /// least squares with weights, plus `damping` times the field's norm (both by their traces).
   /// turn: what displacements are seen through, that of the shape's alignment; displacements: #N by
-  /// 3; weights: #N.
+  /// 3; weights: #N; pulls: elsewhere.
   Eigen::VectorXd fieldFor(const SphereFields& fields, const Eigen::Matrix3d& turn,
                            const Points& displacements, const Eigen::VectorXd& weights,
-                           double damping) const;
+                           double damping, const Pulls& pulls = {});
+
+  /// phi of points on the sphere, #P by 3, and phi^-1 of them.
+  Points followed(Points points) const;
+  Points undone(Points points) const;
+  /// The points of the surface that P sends to these directions.
+  Points read(const Points& directions) { return reader_.read(directions).points; }
 
   /// phi becomes the flow of the field after phi, or a part of it where the icosphere's faces would
   /// not stay oriented. The field is scaled so that no landmark moves farther than `longest`

@@ -26,7 +26,8 @@ constexpr double timesUsual = 6, leastDoubted = 60;
 struct Evidence {
   Eigen::MatrixXf matrix;  // H_k
   Eigen::VectorXd vector;  // h_k
-  double square = 0;       // of what is observed: sum w (n . d)^2
+  double square = 0;       // of what is observed along the normals: sum w (n . d)^2
+  double anchored = 0;     // the same of anchors, with their shares
 
   Eigen::VectorXd times(const Eigen::VectorXd& c) const {
     const Eigen::VectorXf image = matrix * c.cast<float>();
@@ -35,13 +36,28 @@ struct Evidence {
 };
 
 Evidence evidenceOf(const MotionBasis& basis, const Points& displacements, const Points& normals,
-                    const Eigen::VectorXd& weights) {
+                    const Eigen::VectorXd& weights, const Points& mean,
+                    const std::vector<PlacedAnchor>& anchors, double beta) {
   Evidence evidence;
   const Eigen::VectorXd along = displacements.cwiseProduct(normals).rowwise().sum();
   const Points forces = weights.cwiseProduct(along).asDiagonal() * normals;
   evidence.matrix = basis.roughInformation(normals, weights).cast<float>();
   evidence.vector = basis.roughProjectAll(forces);
   evidence.square = along.cwiseAbs2().dot(weights);
+  Eigen::VectorXd row(MotionBasis::columns);
+  for (const PlacedAnchor& anchor : anchors) {
+    const double share = shareOf(anchor, beta);
+    const Vector3 gap = anchor.point - anchor.at(mean);
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, MotionBasis::columns);
+    for (int corner = 0; corner < 3; ++corner)
+      for (int i = 0; i < 3; ++i) {
+        basis.project(anchor.corners[corner], Vector3::Unit(i), row.data());
+        rows.row(i) += anchor.weights[corner] * row.transpose();
+      }
+    evidence.matrix += (share * rows.transpose() * rows).cast<float>();
+    evidence.vector += share * rows.transpose() * gap;
+    evidence.anchored += share * gap.squaredNorm();
+  }
   return evidence;
 }
 
@@ -102,15 +118,21 @@ Eigen::VectorXd trustByOthers(const Eigen::MatrixXd& deviations, const Eigen::Ma
 
 }  // namespace
 
+double shareOf(const PlacedAnchor& anchor, double beta) {
+  return std::min(anchor.precision / beta, 1.0);
+}
+
 PopulationFit fitPopulation(const PopulationPose& pose, const std::vector<Points>& normals,
-                            const PopulationModelParameters& parameters, ThreadPool& pool) {
+                            const PopulationModelParameters& parameters, ThreadPool& pool,
+                            const std::vector<std::vector<PlacedAnchor>>& anchors) {
   const auto count = static_cast<int>(pose.shapes.size());
   const double variance = pose.variance() / 3;
   const double beta = parameters.surfacePrecision / variance, shrink = parameters.priorShapes;
   const MotionBasis basis(pose.mean, pose.weights, 1);
   const std::vector<Evidence> evidence = pool.makeEach(count, [&](int k) {
     const auto i = static_cast<size_t>(k);
-    return evidenceOf(basis, pose.shapes[i] - pose.mean, normals[i], pose.weights);
+    return evidenceOf(basis, pose.shapes[i] - pose.mean, normals[i], pose.weights, pose.mean,
+                      anchors.empty() ? std::vector<PlacedAnchor>() : anchors[i], beta);
   });
   const Eigen::VectorXd prior = priorVariances(pose, variance);
   Eigen::VectorXd trust = firstTrust(evidence, pose.trust);
@@ -145,13 +167,18 @@ PopulationFit fitPopulation(const PopulationPose& pose, const std::vector<Points
 
   PopulationFit fit;
   fit.trust = trust;
+  fit.precision = beta;
   fit.residuals.resize(count);
   fit.expected = pool.makeEach(
       count, [&](int k) -> Points { return pose.mean + basis.displacements(coefficients.col(k)); });
   for (int k = 0; k < count; ++k) {
     const Evidence& one = evidence[static_cast<size_t>(k)];
     const Eigen::VectorXd c = coefficients.col(k);
-    const double square = one.square - 2 * c.dot(one.vector) + c.dot(one.times(c));
+    double square = one.square + one.anchored - 2 * c.dot(one.vector) + c.dot(one.times(c));
+    if (!anchors.empty())
+      for (const PlacedAnchor& anchor : anchors[static_cast<size_t>(k)])
+        square -= shareOf(anchor, beta) *
+                  (anchor.point - anchor.at(fit.expected[static_cast<size_t>(k)])).squaredNorm();
     fit.residuals[k] = std::sqrt(std::max(square, 0.0));
   }
   return fit;

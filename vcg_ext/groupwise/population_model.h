@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vcg_ext/base/thread_pool.h"
+#include "vcg_ext/groupwise/population_anchors.h"
 #include "vcg_ext/groupwise/population_pose.h"
 
 namespace sphere_propagation {
@@ -17,10 +18,14 @@ struct PopulationModelParameters {
   int rounds = 12;         ///< of expectation and maximisation
 };
 
+/// What an anchor counts beside all landmarks together, whose precision is beta.
+double shareOf(const PlacedAnchor& anchor, double beta);
+
 struct PopulationFit {
   std::vector<Points> expected;  ///< where the landmarks of each shape are expected, #N by 3
   Eigen::VectorXd residuals;     ///< per shape, root mean square of what is left along the normal
   Eigen::VectorXd trust;         ///< per shape, 0 to 1: how much the model was learnt from it
+  double precision = 0;          ///< beta
 };
 
 /// The landmarks of shape k are x_k = mean + B c_k + what slides along the surface, with c_k ~
@@ -50,8 +55,13 @@ struct PopulationFit {
 /// other. The less trusted shapes are expected somewhere, too, and move there. Fewer than five
 /// shapes are all trusted.
 ///
-/// pose: in units of the shapes' radius; normals: of the aligned landmarks, one #N by 3 per shape.
+/// Anchors add observations that lie in no plane: y - mean(u) with precision 1 / sd^2 in each
+/// coordinate, but none counts for more than all landmarks do.
+///
+/// pose: in units of the shapes' radius; normals: of the aligned landmarks, one #N by 3 per shape;
+/// anchors: by shape, their points aligned as well, or empty.
 PopulationFit fitPopulation(const PopulationPose& pose, const std::vector<Points>& normals,
-                            const PopulationModelParameters& parameters, ThreadPool& pool);
+                            const PopulationModelParameters& parameters, ThreadPool& pool,
+                            const std::vector<std::vector<PlacedAnchor>>& anchors = {});
 
 }  // namespace sphere_propagation

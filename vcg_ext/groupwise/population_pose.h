@@ -25,6 +25,11 @@ struct PopulationPose {
   Eigen::VectorXd trust;    ///< #K: how much each shape counts for the mean and all else that they
                             ///< have in common, 0 to 1
 
+  /// Where a point of a shape lies when that is aligned. landmarks: the shape's, as they were.
+  Vector3 aligned(size_t k, const Points& landmarks, const Vector3& point) const {
+    return shapes[k].row(0).transpose() + turns[k] * (point - landmarks.row(0).transpose());
+  }
+
   /// The mean of the squared distances from the mean shape, weighted: the total variance (divisor
   /// the sum of trust).
   double variance() const;
