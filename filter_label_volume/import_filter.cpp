@@ -278,12 +278,15 @@ class ImportFilter : public host::Filter {
       addLayer(task, earlier, entry.file, entry.name, parameters, std::move(surface));
     }
     bool triedToAlign = false;
+    SliceShifts shifts;
     for (size_t i = 0; i < entries.size(); ++i)
-      warnOfSlices(remarks, entries[i].name, slices[i], parameters.interpolation.alignSlices,
+      warnOfSlices(remarks, shifts, entries[i].name, slices[i],
+                   parameters.interpolation.alignSlices,
                    sequences[slices[i].sliceSequence].size() > 1 ? minUneven : minUnevenOfOne, [&] {
                      if (std::exchange(triedToAlign, true)) return 0L;
                      return trial.keptByAligning(i, slices[i]);
                    });
+    shifts.tell(remarks);
     warnOfThinLabels(remarks, thin, entries, trial);
     remarks.tell(task);
     if (parameters.interpolation.alignSlices)
@@ -522,14 +525,47 @@ class ImportFilter : public host::Filter {
     return text;
   }
 
-  /// "slice 11 by 11.2 mm".
-  static std::string shiftsText(const std::vector<UnevenSlice>& slices) {
-    std::string text;
-    for (const UnevenSlice& uneven : slices)
-      text += (text.empty() ? "slice " : ", slice ") + std::to_string(uneven.slice) + " by " +
-              tenths(uneven.shift) + " mm";
-    return text;
-  }
+  /// What is said of slices of phases, by the message and the slices.
+  class SliceShifts {
+   public:
+    void add(const std::string& phase, const host::Message& message,
+             const std::vector<UnevenSlice>& slices) {
+      if (slices.empty()) return;
+      auto group = std::find_if(groups_.begin(), groups_.end(), [&](const Group& other) {
+        return other.message == &message &&
+               std::equal(slices.begin(), slices.end(), other.least.begin(), other.least.end(),
+                          [](const auto& a, const auto& b) { return a.slice == b.slice; });
+      });
+      if (group == groups_.end()) group = groups_.insert(group, {&message, slices, slices, {}});
+      for (size_t i = 0; i < slices.size(); ++i) {
+        group->least[i].shift = std::min(group->least[i].shift, slices[i].shift);
+        group->most[i].shift = std::max(group->most[i].shift, slices[i].shift);
+      }
+      group->phases.push_back(phase);
+    }
+
+    /// "slice 11 by 10.6 to 11.2 mm".
+    void tell(SharedRemarks& remarks) const {
+      for (const Group& group : groups_) {
+        std::string text;
+        for (size_t i = 0; i < group.least.size(); ++i) {
+          const std::string least = tenths(group.least[i].shift),
+                            most = tenths(group.most[i].shift);
+          text += (i == 0 ? "slice " : ", slice ") + std::to_string(group.least[i].slice) + " by " +
+                  (least == most ? least : least + " to " + most) + " mm";
+        }
+        for (const std::string& phase : group.phases) remarks.add(phase, *group.message, text);
+      }
+    }
+
+   private:
+    struct Group {
+      const host::Message* message;
+      std::vector<UnevenSlice> least, most;
+      std::vector<std::string> phases;
+    };
+    std::vector<Group> groups_;
+  };
 
   static VolumeSurface slicesOf(const VolumeSurface& surface) {
     VolumeSurface slices;
@@ -541,7 +577,7 @@ class ImportFilter : public host::Filter {
   }
 
   /// keptByAligning: how many of the lost slices would be.
-  static void warnOfSlices(SharedRemarks& remarks, const std::string& name,
+  static void warnOfSlices(SharedRemarks& remarks, SliceShifts& shifts, const std::string& name,
                            const VolumeSurface& surface, bool aligned, double least,
                            const std::function<long()>& keptByAligning) {
     if (!surface.lostSlices.empty()) {
@@ -560,13 +596,12 @@ class ImportFilter : public host::Filter {
                                            contains(surface.lostSlices, slice.slice);
                                   }),
                    uneven.end());
-    if (!uneven.empty())
-      remarks.add(name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
-                  shiftsText(uneven));
+    shifts.add(name, aligned ? volume_messages::slicesAligned : volume_messages::slicesUneven,
+               uneven);
     std::vector<UnevenSlice> ends;
     for (const UnevenSlice& end : surface.farEnds)
       if (!contains(surface.lostSlices, end.slice)) ends.push_back(end);
-    if (!ends.empty()) remarks.add(name, volume_messages::farEnds, shiftsText(ends));
+    shifts.add(name, volume_messages::farEnds, ends);
   }
 
   /// "slice 6 in heart label 1 phases 0, 3; slice 8 in heart label 1 phase 1", and phases that do

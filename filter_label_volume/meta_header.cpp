@@ -74,6 +74,7 @@ void placeMeta(VolumeHeader& header, const TextHeader& head, size_t dimensions) 
   const std::string letters = head.at("anatomicalorientation");
   if (!canStandFor(letters, toLps.topLeftCorner<3, 3>()))
     header.remarks.push_back(host::remarkOn("", volume_messages::orientationContradicts, letters));
+  if (spacing.empty()) header.remarks.push_back(host::remarkOn("", volume_messages::noSpacing, 3));
   for (size_t axis = 0; axis < 3 && !spacing.empty(); ++axis)
     toLps.col(static_cast<Eigen::Index>(axis)) *= spacing[axis];
   toLps.topRows<3>() *= unit;

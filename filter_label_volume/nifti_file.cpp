@@ -55,6 +55,9 @@ class GzipFile {
   }
   size_t read(unsigned char* to, size_t count) {
     const int got = gzread(file_.get(), to, static_cast<unsigned>(count));
+    int error = Z_OK;
+    gzerror(file_.get(), &error);
+    if (error == Z_DATA_ERROR) refuse(volume_messages::packedDamaged);
     return got < 0 ? 0 : static_cast<size_t>(got);
   }
   bool compressed() { return gzdirect(file_.get()) == 0; }

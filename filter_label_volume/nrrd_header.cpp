@@ -199,6 +199,7 @@ double unitIn(const std::string& unit, std::vector<host::Remark>& remarks) {
 void placeByAxes(VolumeHeader& header, const std::vector<NrrdAxis>& axes,
                  const std::vector<size_t>& spatial) {
   bool placed = true;
+  int unknown = 0;
   for (size_t i = 0; i < 3; ++i) {
     const NrrdAxis& axis = axes[spatial[i]];
     const auto n = static_cast<double>(axis.size), steps = axis.node ? n - 1 : n;
@@ -206,13 +207,18 @@ void placeByAxes(VolumeHeader& header, const std::vector<NrrdAxis>& axes,
     if (!std::isfinite(spacing) && std::isfinite(axis.high - axis.low) && axis.high != axis.low &&
         steps > 0)
       spacing = (axis.high - axis.low) / steps;
-    if (!std::isfinite(spacing)) spacing = 1;
+    if (!std::isfinite(spacing)) {
+      spacing = 1;
+      ++unknown;
+    }
     placed = placed && std::isfinite(axis.low);
     const double unit = unitIn(axis.unit, header.remarks);
     const auto at = static_cast<Eigen::Index>(i);
     header.toRas(at, at) = unit * spacing;
     header.toRas(at, 3) = unit * (axis.low + (axis.node ? 0 : spacing / 2));
   }
+  if (unknown > 0)
+    header.remarks.push_back(host::remarkOn("", volume_messages::noSpacing, unknown));
   if (!placed) header.toRas.col(3).head<3>().setZero();
 }
 

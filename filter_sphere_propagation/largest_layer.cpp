@@ -1,19 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "filter_sphere_propagation/largest_layer.h"
 
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
 #include "filter_sphere_propagation/reporting.h"
+#include "vcg_ext/base/statistics.h"
 
 namespace sphere_propagation {
 namespace {
 
 constexpr double clearly = 1.05;  // voxels alone change a volume by a few per cent
+// What is that many times as large as all smaller ones, and as the median, is of another unit.
+constexpr double apart = 2, unusual = 3;
 
 }  // namespace
 
 LargestLayer::LargestLayer(const std::vector<host::Layer>& surfaces) {
   for (const host::Layer& layer : surfaces) {
     entries_.push_back({layer.id(), layer.label(), layer.enclosedVolume()});
-    if (entries_.back().volume > entries_[largest_].volume) largest_ = entries_.size() - 1;
+  }
+  std::vector<size_t> order(entries_.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto volume = [this](size_t i) { return entries_[i].volume; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return volume(a) > volume(b); });
+  std::vector<double> volumes;
+  for (const Entry& entry : entries_) volumes.push_back(entry.volume);
+  const double median = medianOf(std::move(volumes));
+  for (size_t k = 0; k < order.size(); ++k) {
+    if (k == 0) largest_ = order.front();
+    if (k < order.size() / 4 && volume(order[k]) > apart * volume(order[k + 1]) &&
+        volume(order[k]) > unusual * median)
+      largest_ = order[k + 1];
   }
 }
 

@@ -13,7 +13,9 @@ namespace sphere_propagation {
 /// The visible surfaces by volume.
 class LargestLayer {
  public:
-  /// Quick, and nothing is wrong with any layer: what encloses nothing is never the largest.
+  /// Quick, and nothing is wrong with any layer: what encloses nothing is never the largest. Up to
+  /// a quarter of the layers, where they are more than twice as large as all others and three times
+  /// as large as the median, are of another unit or shape, and passed over.
   explicit LargestLayer(const std::vector<host::Layer>& surfaces);
 
   /// Whether a layer is clearly smaller than the largest one, and the choice of the root therefore

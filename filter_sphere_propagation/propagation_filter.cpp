@@ -27,6 +27,7 @@
 #include "vcg_ext/propagation/propagation.h"
 #include "vcg_ext/sequence/mirroring.h"
 #include "vcg_ext/sequence/propagation_order.h"
+#include "vcg_ext/sequence/repeated_surfaces.h"
 #include "vcg_ext/sphere/certificate.h"
 
 namespace sphere_propagation {
@@ -157,6 +158,7 @@ class PropagationFilter : public host::Filter {
     PropagationParameters parameters = asked;
     parameters.anchors.layers = readAnchors(task, participants, asked.anchors.use);
     Sequence sequence(participants.surfaces());
+    warnOfRepetitions(task, participants, sequence);
     PropagationTree tree;
     const bool mirrors = task.values.flag("mirror_layers");
     std::vector<std::optional<double>> mirrorPlanes;
@@ -493,6 +495,23 @@ class PropagationFilter : public host::Filter {
       task.sayOf(layer, messages::farOff, edges);
     else if (propagated.residualStandsOut)
       task.sayOf(layer, messages::fartherThanOthers, edges);
+  }
+
+  static void warnOfRepetitions(const host::Task& task, const Participants& participants,
+                                const Sequence& sequence) {
+    const std::vector<int> firsts = repeatedSurfaces(sequence);
+    std::vector<std::string> names, of;
+    for (size_t i = 0; i < firsts.size(); ++i) {
+      if (firsts[i] < 0) continue;
+      names.push_back(participants.layers[i].label());
+      of.push_back(participants.layers[static_cast<size_t>(firsts[i])].label());
+    }
+    if (names.size() > maxNamedSingly)
+      task.sayNaming(names, messages::repeatedSurfaces, names.size(), firsts.size(), namesIn(names),
+                     names.front(), of.front());
+    else
+      for (size_t k = 0; k < names.size(); ++k)
+        task.sayOf(names[k], messages::repeatedSurface, of[k]);
   }
 
   /// What was found of left and right, besides what was reflected.

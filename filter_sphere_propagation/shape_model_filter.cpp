@@ -251,9 +251,31 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool 
           withSurfaces ? surfacesOf(layers, made, lidsGo) : std::vector<SampledSurface>()};
 }
 
-void nameOutlier(const host::Task& task, const std::string& name, const Outlier& outlier) {
+/// "3, 17, 40": numbers of landmarks as they were before any was left out.
+std::string numbersOf(const std::vector<int>& landmarks, const TrainingSet& set) {
+  std::vector<int> before;
+  for (size_t j = 0; j < set.leftOut().size(); ++j)
+    if (!set.leftOut()[j]) before.push_back(static_cast<int>(j));
+  std::vector<std::string> numbers;
+  for (const int j : landmarks)
+    numbers.push_back(std::to_string(before.empty() ? j : before[static_cast<size_t>(j)]));
+  constexpr size_t most = 10;
+  std::string text;
+  for (size_t k = 0; k < std::min(most, numbers.size()); ++k)
+    text += (k > 0 ? ", " : "") + numbers[k];
+  if (numbers.size() > most) text += " and " + std::to_string(numbers.size() - most) + " more";
+  return text;
+}
+
+void nameOutlier(const host::Task& task, const TrainingSet& set, const Outlier& outlier) {
+  const std::string& name = set.shapes()[outlier.shape].name;
   if (outlier.kind == Outlier::Kind::Shape)
     task.sayOf(name, messages::shapeStandsOut, outlier.distance, outlier.ratio);
+  else if (outlier.kind == Outlier::Kind::Landmarks && outlier.landmarks.size() == 1)
+    task.sayOf(name, messages::landmarkStrays, numbersOf(outlier.landmarks, set), outlier.distance);
+  else if (outlier.kind == Outlier::Kind::Landmarks)
+    task.sayOf(name, messages::landmarksStray, outlier.landmarks.size(),
+               numbersOf(outlier.landmarks, set), outlier.distance);
   else if (outlier.ratio > 1)
     task.sayOf(name, messages::sizeStandsOut, outlier.ratio, "larger");
   else
@@ -277,6 +299,15 @@ void nameAll(const host::Task& task, const std::vector<Outlier>& outliers, const
                    least(distances), least(ratios));
     return;
   }
+  if (outliers.front().kind == Outlier::Kind::Landmarks) {
+    const Outlier& worst = *std::max_element(
+        outliers.begin(), outliers.end(),
+        [](const Outlier& a, const Outlier& b) { return a.distance < b.distance; });
+    task.sayNaming(names, messages::shapesWithStrays, names.size(), set.shapeCount(),
+                   namesIn(names), worst.distance, numbersOf(worst.landmarks, set),
+                   set.shapes()[worst.shape].name);
+    return;
+  }
   std::vector<std::string> others;
   for (const TrainingSet::Shape& shape : set.shapes())
     if (std::find(names.begin(), names.end(), shape.name) == names.end())
@@ -288,8 +319,8 @@ void nameAll(const host::Task& task, const std::vector<Outlier>& outliers, const
 void nameOutliers(const host::Task& task, const TrainingSet& given, const TrainingSet& aligned) {
   std::map<std::tuple<Outlier::Kind, bool, double>, std::vector<Outlier>> kinds;
   for (const Outlier& outlier : findOutliers(given, aligned)) {
-    const bool isShape = outlier.kind == Outlier::Kind::Shape;
-    kinds[{outlier.kind, !isShape && outlier.ratio > 1, outlier.units}].push_back(outlier);
+    const bool isSize = outlier.kind == Outlier::Kind::Size;
+    kinds[{outlier.kind, isSize && outlier.ratio > 1, outlier.units}].push_back(outlier);
   }
   for (const auto& [kind, outliers] : kinds)
     if (outliers.size() > maxNamedSingly ||
@@ -297,8 +328,7 @@ void nameOutliers(const host::Task& task, const TrainingSet& given, const Traini
          2 * outliers.size() == static_cast<size_t>(given.shapeCount())))
       nameAll(task, outliers, given);
     else
-      for (const Outlier& outlier : outliers)
-        nameOutlier(task, given.shapes()[outlier.shape].name, outlier);
+      for (const Outlier& outlier : outliers) nameOutlier(task, given, outlier);
 }
 
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }

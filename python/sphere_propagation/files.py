@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import tempfile
@@ -285,20 +284,6 @@ def warn_of_frames(surfaces: Sequence[Surface]) -> None:
             f"{silent[0]}{others} does not say whether it is in RAS or LPS, as {telling[0]} does: "
             "all are taken to be in RAS."
         )
-
-
-def warn_of_copies(surfaces: Sequence[Surface]) -> None:
-    """Of surfaces that are one, vertex by vertex."""
-    firsts: Dict[bytes, str] = {}
-    for surface in surfaces:
-        found = hashlib.sha256(surface.vertices.tobytes())
-        found.update(surface.faces.tobytes())
-        first = firsts.setdefault(found.digest(), surface.name)
-        if first != surface.name:
-            warn(
-                f"{surface.name} is the same surface as {first}: a shape that is there twice "
-                "counts twice in the model. Leave one out."
-            )
 
 
 def read_map(path) -> SphereMap:

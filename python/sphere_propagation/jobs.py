@@ -163,7 +163,6 @@ def _run_files(
             mesh = replace(files.read_mesh(path), name=called)
             surfaces.append(_prepared(mesh, choices.preparation))
     files.warn_of_frames(surfaces)
-    files.warn_of_copies(surfaces)
     if len(surfaces) == 1 and files.is_label_volume(paths[0]):
         raise InputError(
             f"{paths[0]} gives one surface: landmarks that correspond take two or more. One "

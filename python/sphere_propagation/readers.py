@@ -30,6 +30,7 @@ SUFFIXES = (*VTK_SUFFIXES, ".gii")
 NO_SURFACES = re.compile(r"\.(shape|func|label|time|rgba|vector|tensor|coord|topo)\.gii$", re.I)
 FREESURFER = re.compile(r"^[lr]h\.", re.I)  # lh.white; what is behind the point is no suffix
 FREESURFER_MAGIC = b"\xff\xff\xfe"
+FREESURFER_ASCII = b"#!ascii"  # as mris_convert writes lh.white.asc
 APPLE_DOUBLE = b"\x00\x05\x16\x07"  # what macOS keeps beside files, as ._name
 NEEDED = ("vtk", "nibabel")
 
@@ -90,7 +91,7 @@ def read(path: Path) -> Optional[Found]:
 
 def is_freesurfer(path: Path) -> bool:
     """Whether it holds a surface of FreeSurfer's."""
-    return path.is_file() and _start(path, 3) == FREESURFER_MAGIC
+    return path.is_file() and _start(path, 7).startswith((FREESURFER_MAGIC, FREESURFER_ASCII))
 
 
 def space_in_header(path: Path) -> str:
@@ -284,13 +285,13 @@ def _start(path: Path, count: int) -> bytes:
 
 
 def _refuse_what_is_none(path: Path) -> None:
-    start = _start(path, 4)
+    start = _start(path, 7)
     if not start:
         raise FileError(f"{path} cannot be read as a mesh. It is empty.")
-    if start == APPLE_DOUBLE:
+    if start[:4] == APPLE_DOUBLE:
         raise FileError(f"{path} is what macOS keeps beside a file of this name: it holds no mesh.")
     named = FREESURFER.match(path.name) and path.suffix.lower() not in (*SUFFIXES, *OF_MESHLAB)
-    if named and start[:3] != FREESURFER_MAGIC:
+    if named and not start.startswith((FREESURFER_MAGIC, FREESURFER_ASCII)):
         raise FileError(
             f"{path} holds no surface, although FreeSurfer calls its surfaces so: lh.white and "
             "lh.pial are some, lh.curv and lh.thickness hold numbers on them."
@@ -542,6 +543,8 @@ def _read_gifti(path: Path) -> Found:
 
 
 def _read_freesurfer(path: Path) -> Found:
+    if _start(path, 7) == FREESURFER_ASCII:
+        return _read_freesurfer_ascii(path)
     try:
         from nibabel.freesurfer import read_geometry
     except ImportError as error:
@@ -554,16 +557,37 @@ def _read_freesurfer(path: Path) -> Found:
         raise FileError(f"{path} cannot be read as FreeSurfer's. {_words(error)}") from error
     turn_and_shift = _to_scanner(about)
     if turn_and_shift is None:
-        warn(
-            f"{path} does not tell where the image lay (c_ras): its coordinates are FreeSurfer's "
-            "own, around the image's middle, not those of the scanner."
-        )
+        _warn_of_own_frame(path)
         return Found(np.asarray(vertices, float), np.asarray(faces, np.int64), "RAS")
     rotation, shift = turn_and_shift
     faces = np.asarray(faces, np.int64)
     if np.linalg.det(rotation) < 0:
         faces = faces[:, ::-1]
     return Found(np.asarray(vertices, float) @ rotation.T + shift, faces, "RAS")
+
+
+def _read_freesurfer_ascii(path: Path) -> Found:
+    """Counts; x, y, z and a patch's mark per vertex; three corners and a mark per face."""
+    damaged = FileError(f"{path} cannot be read as FreeSurfer's. It ends too early, or is damaged.")
+    lines = path.read_text("latin-1").splitlines()[1:]
+    try:
+        vertices, faces = map(int, lines[0].split())
+        rows = [line.split() for line in lines[1:] if line.strip()]
+        points = np.array(rows[:vertices], float).reshape(vertices, 4)[:, :3]
+        corners = np.array(rows[vertices:], np.int64).reshape(faces, 4)[:, :3]
+    except (ValueError, IndexError) as error:
+        raise damaged from error
+    if faces and (corners.min() < 0 or corners.max() >= vertices):
+        raise damaged
+    _warn_of_own_frame(path)
+    return Found(points, corners, "RAS")
+
+
+def _warn_of_own_frame(path: Path) -> None:
+    warn(
+        f"{path} does not tell where the image lay (c_ras): its coordinates are FreeSurfer's "
+        "own, around the image's middle, not those of the scanner."
+    )
 
 
 def _to_scanner(about: Dict[str, Any]):

@@ -171,5 +171,14 @@ def distinct_names(surfaces: Sequence[Surface]) -> List[str]:
 
 
 def largest(surfaces: Sequence[Surface]) -> int:
-    """Index of the surface of largest volume: end-diastole, the better root of a heart cycle."""
-    return int(np.argmax([abs(surface.volume) for surface in surfaces]))
+    """Index of the surface of largest volume: end-diastole, the better root of a heart cycle. One
+    of another unit, or another shape, does not count: up to a quarter of the surfaces, where they
+    are more than twice as large as all others and three times as large as the median."""
+    volumes = np.array([abs(surface.volume) for surface in surfaces])
+    order = np.argsort(-volumes, kind="stable")
+    ordered = volumes[order]
+    first = 0
+    for k in range(len(order) // 4):
+        if ordered[k] > 2 * ordered[k + 1] and ordered[k] > 3 * np.median(volumes):
+            first = k + 1
+    return int(order[first])

@@ -98,6 +98,54 @@ TEST(Outliers, NameTheFewerOfTwoUnits) {
   EXPECT_EQ(outliersOf(shapes).size(), 7u);
 }
 
+TEST(Outliers, NameAllButOneOfThreeUnits) {
+  auto shapes = test::ellipsoids(15, 45);  // of equals that of the first shape is right
+  for (size_t k = 0; k < 5; ++k) {
+    shapes[3 * k + 1] *= 10;
+    shapes[3 * k + 2] *= 1000;
+  }
+  const std::vector<Outlier> outliers = outliersOf(shapes);
+  ASSERT_EQ(outliers.size(), 10u);
+  for (const Outlier& outlier : outliers) {
+    EXPECT_EQ(outlier.kind, Outlier::Kind::Size);
+    EXPECT_EQ(outlier.units, outlier.shape % 3 == 1 ? 10 : 1000);
+  }
+  // A giant is of no unit, and hides no other.
+  shapes = test::ellipsoids(15, 46);
+  shapes[2] *= 4.5;
+  for (const size_t k : {5, 6, 7}) shapes[k] /= 10;
+  EXPECT_EQ(outliersOf(shapes).size(), 4u);
+}
+
+TEST(Outliers, NameLandmarksThatStray) {
+  for (const int count : {5, 30})
+    for (const Alignment alignment : alignments) {
+      auto shapes = test::ellipsoids(count, 60);
+      const double extent = std::sqrt(shapes[2].rowwise().squaredNorm().mean());
+      shapes[2].row(17) += extent * Eigen::RowVector3d(0.3, 0.4, 0);
+      shapes[4].row(20) += extent * Eigen::RowVector3d(0, 0.5, 0);
+      shapes[4].row(99) += extent * Eigen::RowVector3d(0, 0, 0.7);
+      const std::vector<Outlier> outliers = outliersOf(shapes, alignment);
+      ASSERT_EQ(outliers.size(), 2u) << count;
+      EXPECT_EQ(outliers[0].shape, 2u);
+      EXPECT_EQ(outliers[0].kind, Outlier::Kind::Landmarks);
+      EXPECT_EQ(outliers[0].landmarks, std::vector<int>{17});
+      EXPECT_NEAR(outliers[0].distance, 0.5 * extent, 0.1 * extent);
+      EXPECT_EQ(outliers[1].shape, 4u);
+      EXPECT_EQ(outliers[1].landmarks, (std::vector<int>{99, 20}));
+    }
+}
+
+TEST(Outliers, NameLandmarksThatAreExchanged) {
+  auto shapes = test::ellipsoids(12, 61);
+  shapes[7].row(3).swap(shapes[7].row(140));
+  const std::vector<Outlier> outliers = outliersOf(shapes);
+  ASSERT_EQ(outliers.size(), 1u);
+  EXPECT_EQ(outliers[0].shape, 7u);
+  ASSERT_EQ(outliers[0].landmarks.size(), 2u);
+  EXPECT_EQ(outliers[0].landmarks[0] + outliers[0].landmarks[1], 143);
+}
+
 TEST(Outliers, NameUpToHalfOfTheShapesWhereLandmarksAreShuffled) {
   auto shapes = test::ellipsoids(21, 43);
   for (unsigned k = 0; k < 9; ++k) shuffle(shapes[2 * k], 50 + k);

@@ -29,6 +29,11 @@ PreparedMesh prepared(const Mesh& mesh, const PreparationParameters& parameters 
 }
 
 /// Whether it is a closed surface now, with outward faces.
+/// Nothing is wrong with it but that it encloses nothing.
+bool isClosedThoughFlat(const PreparedMesh& mesh) {
+  return mesh.left && mesh.left->fault == Fault::Flat;
+}
+
 testing::AssertionResult isClosed(const PreparedMesh& mesh) {
   if (mesh.left) return testing::AssertionFailure() << statement(*mesh.left);
   const ClosedSurface surface(mesh.vertices, mesh.faces);
@@ -201,8 +206,16 @@ TEST(SurfacePreparation, KeepsTheSidesOfAThinWallApart) {
   int seen = 0;
   const PreparedMesh result = prepared(without(
       thin, [&seen](const Vector3& c) { return c.z() > 0.9e-9 && c.x() > 0.3 && ++seen == 1; }));
-  EXPECT_TRUE(isClosed(result));
+  EXPECT_TRUE(isClosedThoughFlat(result));
   EXPECT_EQ(result.weldedVertices, 0);
+}
+
+TEST(SurfacePreparation, LeavesAClosedSheetFlat) {
+  // One side of a plane: its lid lies in it, too.
+  const Mesh sheet = without(box(4), [](const Vector3& c) { return c.z() < 0.99; });
+  const PreparedMesh result = prepared(sheet);
+  EXPECT_EQ(result.openings.size(), 1u);
+  EXPECT_TRUE(isClosedThoughFlat(result));
 }
 
 TEST(SurfacePreparation, DropsWhatIsThereTwice) {
@@ -337,7 +350,7 @@ TEST(SurfacePreparation, WeldsAllThreeRimsAtAMembrane) {
     return c.z() > 0.9e-9 && c.x() > 0.3 && ++seen == 1;
   });
   const PreparedMesh result = prepared(soup(thin));
-  EXPECT_TRUE(isClosed(result));
+  EXPECT_TRUE(isClosedThoughFlat(result));
   EXPECT_EQ(result.weldedVertices, 3 * thin.faces.rows() - thin.vertices.rows());
 }
 

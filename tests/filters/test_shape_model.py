@@ -653,6 +653,30 @@ def test_a_mirrored_layer():
     assert (layer(ms, "mean shape").face_matrix() == faces[:, [0, 2, 1]]).all()
 
 
+def test_landmarks_that_stray_are_named():
+    project = small_model_project(8)
+    shapes = np.array([m.vertex_matrix() for m in project])
+
+    def texts(shapes):
+        ms = project_of(shapes, project.mesh(0).face_matrix())
+        code = ms.apply_filter(MODEL).get("warnings", [])
+        return json.loads(bytes(map(int, code)).decode() or "[]")
+
+    assert texts(shapes) == []
+    shapes[3, 17] += [60, 0, 0]
+    shapes[5, [20, 140]] = shapes[5, [140, 20]]
+    one, two = texts(shapes)
+    assert (one["message"], one["layer"]) == ("landmarkStrays", "shape 03")
+    assert "its landmark 17 lies 5" in one["text"] or "its landmark 17 lies 6" in one["text"]
+    assert (two["message"], two["layer"]) == ("landmarksStray", "shape 05")
+    assert "2 of its landmarks (20, 140)" in two["text"] or "(140, 20)" in two["text"]
+    for k in (0, 1, 2, 6):
+        shapes[k, 30 + 20 * k] += [0, 70 + 10 * k, 0]
+    (all_of_them,) = texts(shapes)
+    assert all_of_them["message"] == "shapesWithStrays" and len(all_of_them["layers"]) == 6
+    assert "6 shapes of 8" in all_of_them["text"] and '(150 in "shape 06")' in all_of_them["text"]
+
+
 def test_many_that_stand_out_are_one_warning():
     project = small_model_project()
     shapes = np.array([m.vertex_matrix() for m in project])

@@ -100,6 +100,29 @@ def test_a_layer_of_another_size_and_one_in_another_unit():
         assert [one for one in found if one[0]] == [("phantom cavity 01", message)]
 
 
+@pytest.mark.parametrize("copies", [1, 5])
+def test_surfaces_that_are_there_twice(copies):
+    """Vertices may be in another order; up to three are named one by one."""
+    ms = pymeshlab.MeshSet()
+    for mesh in small_cycle(8):
+        add(ms, mesh.vertex_matrix(), mesh.face_matrix(), mesh.label())
+    for k in range(copies):
+        v, f = ms.mesh(k).vertex_matrix(), ms.mesh(k).face_matrix()
+        add(ms, v[::-1], len(v) - 1 - f, f"copy {k}")
+    ms.set_current_mesh(0)
+    ms.apply_filter(ROOT)
+    found = [
+        r for r in remarks(ms.apply_filter(PROPAGATE, order="Star")) if "vertex by" in r["text"]
+    ]
+    assert len(found) == 1
+    assert '"phantom cavity 00"' in found[0]["text"]
+    if copies == 1:
+        assert (found[0]["layer"], found[0]["message"]) == ("copy 0", "repeatedSurface")
+    else:
+        assert found[0]["message"] == "repeatedSurfaces" and len(found[0]["layers"]) == 5
+        assert "5 of 13 layers" in found[0]["text"] and '"copy 4"' in found[0]["text"]
+
+
 def test_a_layer_that_is_reflected():
     """Egg-shaped with two bumps, so that no plane of symmetry is left."""
     vertices, faces = egg(14, 20, radii=(40, 30, 22))

@@ -4,13 +4,14 @@ what is wrong."""
 
 import inspect
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pymeshlab
 import pytest
 import sphere_propagation as sp
 from sphere_propagation import filters, parameters, preparation
-from sphere_propagation.surface import distinct_names
+from sphere_propagation.surface import distinct_names, largest
 
 # Function -> its filter, and the parameters of the filter that it does not have, with the reason.
 FUNCTIONS = {
@@ -275,6 +276,23 @@ def test_the_largest_is_the_root(cycle):
     mixed = [cycle.surfaces[i] for i in (2, 0, 3)]
     assert sp.correspond(mixed, frequency=2).root == 1
     assert sp.correspond(mixed, frequency=2, root=2).root == 2
+
+
+def test_a_root_of_another_size_is_not_chosen(cycle):
+    surfaces = cycle.surfaces[:5]
+    for k, factor in ((1, 1.6), (2, 10), (4, 1000)):
+        odd = [
+            replace(s, vertices=s.vertices * factor) if i == k else s
+            for i, s in enumerate(surfaces)
+        ]
+        assert largest(odd) == largest(surfaces) == 0
+    # Of three nobody can tell, and a large heart among small ones is one.
+    few = [surfaces[0], replace(surfaces[1], vertices=surfaces[1].vertices * 10), surfaces[2]]
+    assert largest(few) == 1
+    grown = [
+        replace(surfaces[0], vertices=surfaces[0].vertices * f) for f in (0.6, 0.7, 0.8, 1, 1.2)
+    ]
+    assert largest(grown) == 4
 
 
 def family(steps):

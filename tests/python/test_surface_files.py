@@ -12,7 +12,7 @@ import pytest
 import pyvista
 import sphere_propagation as sp
 import vtk
-from sphere_propagation import command, files, readers
+from sphere_propagation import command, readers
 
 SHIFT = np.array([50.0, -20.0, 30.0])
 
@@ -319,18 +319,6 @@ def test_frames_that_only_some_tell_are_warned_of(body, tmp_path):
         sp.read_meshes(tmp_path)
 
 
-def test_copies_are_warned_of(body):
-    vertices, faces = body
-    surfaces = [
-        sp.Surface(vertices, faces, "a"),
-        sp.Surface(2 * vertices, faces, "b"),
-        sp.Surface(vertices.copy(), faces, "c"),
-    ]
-    with pytest.warns(sp.SpherePropagationWarning, match="^c is the same surface as a:") as said:
-        files.warn_of_copies(surfaces)
-    assert len(said) == 1
-
-
 @pytest.mark.parametrize(
     "axes", [((-1, 0, 0), (0, 0, -1), (0, 1, 0)), ((-0.8, 0.6, 0), (0, 0, -1), (0.6, 0.8, 0))]
 )
@@ -355,6 +343,33 @@ def test_freesurfers_files_that_do_not_tell_where_are_warned_of(invalid, body, t
     with pytest.warns(sp.SpherePropagationWarning, match="c_ras"):
         surface = sp.read_mesh(tmp_path / "lh.white")
     assert np.abs(surface.vertices - body[0]).max() < 1e-4
+
+
+def ascii_of(vertices, faces):
+    """As mris_convert writes them."""
+    rows = [" ".join(map(repr, map(float, row))) + " 0" for row in vertices]
+    rows += [" ".join(map(str, row)) + " 0" for row in faces]
+    return "\n".join(["#!ascii version of lh.white", f"{len(vertices)} {len(faces)}", *rows, ""])
+
+
+def test_freesurfers_in_ascii(body, tmp_path):
+    path = tmp_path / "lh.white.asc"
+    path.write_text(ascii_of(*body))
+    with pytest.warns(sp.SpherePropagationWarning, match="c_ras"):
+        surface = sp.read_mesh(path)
+    assert np.array_equal(surface.vertices, body[0]) and np.array_equal(surface.faces, body[1])
+    assert [found.name for found in sp.mesh_files(tmp_path)] == ["lh.white.asc"]
+    lines = ascii_of(*body).splitlines()
+    for broken in (
+        lines[:-1],
+        lines[:2],
+        lines[:1],
+        [*lines[:-1], "0 1 99999 0"],
+        ["#!ascii", "x"],
+    ):
+        path.write_text("\n".join(broken))
+        with pytest.raises(sp.FileError, match="cannot be read as FreeSurfer's"):
+            sp.read_mesh(path)
 
 
 # ---------------------------------------------------------------- what is no surface

@@ -4,6 +4,7 @@ bad files."""
 
 import gzip
 import json
+import re
 import resource
 import time
 
@@ -608,6 +609,31 @@ def test_an_end_that_lies_off_is_named(tmp_path, shift, hole):
     _, returned = imported(path)
     said = [remark["text"] for remark in remarks_called("farEnds", returned)]
     assert ["slice 11 by 19" in text for text in said] == [True] * (shift > 0)
+
+
+def test_what_differs_in_millimetres_alone_is_said_once(tmp_path):
+    """Three phases whose base lies off by 14, 13 and 12 voxels."""
+    i, j, k = np.meshgrid(*map(np.arange, (64, 64, 14)), indexing="ij")
+    radius = 8 + 10 * np.sqrt(np.clip(1 - (1 - (k - 2) / 9) ** 2, 0, 1))
+    cups = [
+        (np.hypot(i - 28 - 0.4 * k - shift * (k == 11), j - 30 - 0.2 * k) < radius)
+        & (k > 1)
+        & (k < 12)
+        for shift in (14, 13, 12)
+    ]
+    labels = np.stack(cups, -1).astype("u1")
+    path = written(tmp_path, "cup.nii", files.nifti(labels, np.diag([1.4, 1.4, 10, 1])))
+    (remark,) = remarks_called("farEnds", imported(path)[1])
+    assert re.search(r"slice 11 by 1\d\.\d to 19\.\d mm", remark["text"])
+    assert len(remark["layers"]) == 3
+
+
+def test_of_two_bodies_side_by_side_no_slice_is_lost(tmp_path):
+    i, j, k = np.indices((60, 30, 30))
+    balls = [(i - x) ** 2 + (j - 15) ** 2 + (k - 15) ** 2 < r for x, r in ((15, 144), (45, 140))]
+    path = written(tmp_path, "two.nii", files.nifti((balls[0] | balls[1]).astype("u1"), np.eye(4)))
+    _, returned = imported(path)
+    assert remarks_called("partsDropped", returned) and not remarks_called("slicesLost", returned)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

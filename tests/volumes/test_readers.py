@@ -128,6 +128,14 @@ def test_compression_is_told_by_the_bytes(tmp_path):
     refused(written(tmp_path, "packed.nii", gzip.compress(plain)[:-60]), "truncated")
 
 
+@pytest.mark.parametrize("at", [-8, -40])
+def test_packed_data_that_are_damaged(tmp_path, at):
+    """The checksum, and what it is of."""
+    packed = bytearray(gzip.compress(files.nifti(EGG, MATRIX)))
+    packed[at] ^= 255
+    refused(written(tmp_path, "packed.nii.gz", bytes(packed)), "its packed data are damaged")
+
+
 @pytest.mark.parametrize("version", [1, 2])
 def test_where_voxels_begin(tmp_path, version):
     data = files.nifti(EGG, MATRIX, version=version)
@@ -566,7 +574,7 @@ def analyze(folder):
 UNSURE = {
     "a.nii": (lambda: files.nifti(EGG, sform=0, pixdim=(1, 1, 1)), "Note", "noPlaceRas"),
     "b.nii": (lambda: files.nifti(np.where(EGG, 1, np.nan)), "Note", "nanIsBackground"),
-    "c.nrrd": (lambda: files.nrrd_of(EGG), "Note", "noPlaceLps"),
+    "c.nrrd": (lambda: files.nrrd_of(EGG, "spacings: 1 1 1"), "Note", "noPlaceLps"),
     "d.nrrd": (lambda: files.nrrd_of(EGG, "space: scanner-xyz", DIRECTIONS), "Warning", "noSides"),
     "e.nrrd": (lambda: files.nrrd_of(EGG, "space dimension: 3", DIRECTIONS), "Note", "noPlaceLps"),
     "f.nrrd": (
@@ -579,7 +587,7 @@ UNSURE = {
         "Warning",
         "unknownUnit",
     ),
-    "h.mha": (lambda: files.meta_of(EGG, "DistanceUnits = ell"), "Warning", "unknownUnit"),
+    "h.mha": (lambda: files.meta_of(EGG, SPACING, "DistanceUnits = ell"), "Warning", "unknownUnit"),
     "j.nii": (
         lambda: files.nifti(EGG, np.diag([-2, 2, 2, 1]), qform=(0, 0, 0, (0, 0, 0), 1)),
         "Warning",
@@ -596,10 +604,11 @@ UNSURE = {
         "formsDiffer",
     ),
     "i.mha": (
-        lambda: files.meta_of(EGG, "AnatomicalOrientation = SLA"),
+        lambda: files.meta_of(EGG, SPACING, "AnatomicalOrientation = SLA"),
         "Note",
         "orientationContradicts",
     ),
+    "m.mha": (lambda: files.meta_of(EGG), "Warning", "noSpacing"),
 }
 
 
@@ -608,6 +617,15 @@ def test_what_is_assumed_is_said(tmp_path, name):
     make, kind, message = UNSURE[name]
     _, returned = imported(written(tmp_path, name, make()))
     assert unsure(returned) == [(kind, message, name[0])]
+
+
+@pytest.mark.parametrize("spacings, missing", [("nan 2 3", 1), ("nan nan 2", 2), ("", 3)])
+def test_a_size_of_voxels_that_is_not_said_is_warned_of(tmp_path, spacings, missing):
+    fields = [f"spacings: {spacings}"] if spacings else []
+    _, returned = imported(written(tmp_path, "odd.nrrd", files.nrrd_of(EGG, *fields)))
+    assert [message for _, message, _ in unsure(returned)] == ["noSpacing", "noPlaceLps"]
+    text = json.loads(bytes(returned["warnings"].astype(int).tolist()).decode())[0]["text"]
+    assert f"({missing} ax" in text and "1 mm is taken" in text
 
 
 @pytest.mark.parametrize("spacing, odd", [(0.002, True), (1, False), (400, True)])
@@ -641,7 +659,7 @@ def test_nothing_is_said_of_files_that_say_it_all(tmp_path):
     for name, data in (
         ("a.nii", files.nifti(EGG, MATRIX)),
         ("b.nrrd", files.nrrd_of(EGG, "space: LAS", DIRECTIONS, 'space units: "cm" "cm" "cm"')),
-        ("c.mha", files.meta_of(EGG, "DistanceUnits = mm", "AnatomicalOrientation = RAI")),
+        ("c.mha", files.meta_of(EGG, SPACING, "DistanceUnits = mm", "AnatomicalOrientation = RAI")),
     ):
         assert unsure(imported(written(tmp_path, name, data))[1]) == []
     assert unsure(imported(analyze(tmp_path))[1]) == [("Warning", "analyzeSides", "egg")]

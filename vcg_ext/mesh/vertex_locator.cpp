@@ -4,6 +4,7 @@
 
 #include "vcg_ext/mesh/vertex_locator.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -99,6 +100,22 @@ std::vector<int> VertexLocator::nearest(const Points& queries,
     indices[i] = nearest(Vector3(queries.row(static_cast<Eigen::Index>(i)).transpose()),
                          guesses.empty() ? -1 : guesses[i]);
   return indices;
+}
+
+std::vector<std::vector<int>> VertexLocator::neighbours(int count) const {
+  const Points& all = points();
+  const std::size_t asked =
+      std::min(static_cast<std::size_t>(count) + 1, static_cast<std::size_t>(all.rows()));
+  std::vector<std::uint32_t> found(asked);
+  std::vector<double> distances(asked);
+  std::vector<std::vector<int>> lists(static_cast<std::size_t>(all.rows()));
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    const Vector3 x = all.row(static_cast<Eigen::Index>(i)).transpose();
+    tree_->index.knnSearch(x.data(), asked, found.data(), distances.data());
+    for (const std::uint32_t other : found)
+      if (other != i && lists[i].size() + 1 < asked) lists[i].push_back(static_cast<int>(other));
+  }
+  return lists;
 }
 
 }  // namespace sphere_propagation

@@ -32,6 +32,10 @@ class VertexLocator {
   /// guesses: empty, or one per query as above.
   std::vector<int> nearest(const Points& queries, const std::vector<int>& guesses = {}) const;
 
+  /// For each point the `count` other points nearest to it, or all others where they are fewer. A
+  /// point in the same place is another.
+  std::vector<std::vector<int>> neighbours(int count) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

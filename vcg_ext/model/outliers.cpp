@@ -3,18 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "vcg_ext/base/statistics.h"
 #include "vcg_ext/base/unit_ratio.h"
+#include "vcg_ext/mesh/vertex_locator.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr size_t fewest = 5;                     // shapes that can tell which of them is apart
-constexpr double far = 4, twice = 2;             // times the usual
-constexpr double anotherSize = 1.8, groups = 3;  // factors
-constexpr double visible = 0.02, unlike = 0.5;   // shares of the shape's size
+constexpr size_t fewest = 5;                        // shapes that can tell which of them is apart
+constexpr double far = 4, twice = 2;                // times the usual
+constexpr double anotherSize = 1.8, groups = 3;     // factors
+constexpr double visible = 0.02, unlike = 0.5;      // shares of the shape's size
+constexpr double farOfOne = 6, visibleOfOne = 0.1;  // the same of one landmark
+constexpr int around = 6;                           // neighbours that tell where one is
+constexpr double abrupt = 8;                        // times what these are from where theirs say
 
 double radius(const Points& points) {
   const Points centred = points.rowwise() - points.colwise().mean();
@@ -41,27 +46,110 @@ Points medianShape(const std::vector<TrainingSet::Shape>& shapes) {
   return median;
 }
 
-/// Of sizes in groups that differ as units do the largest group; all where there are none.
-std::vector<double> largestGroup(const std::vector<double>& sizes) {
-  const double first = sizes.front();
-  std::vector<double> group = sizes;
-  std::sort(group.begin(), group.end());
-  for (;;) {
-    size_t split = 0;
-    double widest = groups;
-    for (size_t i = 1; i < group.size(); ++i)
-      if (group[i - 1] > 0 && group[i] >= widest * group[i - 1]) {
-        widest = group[i] / group[i - 1];
-        split = i;
-      }
-    if (split == 0) return group;
-    const auto middle = group.begin() + static_cast<std::ptrdiff_t>(split);
-    std::vector<double> below(group.begin(), middle), above(middle, group.end());
-    if (nearestUnitRatio(medianOf(above) / medianOf(below)) == 0) return group;
-    const bool lower =
-        below.size() > above.size() || (below.size() == above.size() && first <= below.back());
-    group = std::move(lower ? below : above);
+/// The sizes without those of groups that differ from the largest one as units do.
+std::vector<double> inOneUnit(const std::vector<double>& sizes) {
+  std::vector<size_t> order(sizes.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return sizes[a] < sizes[b]; });
+  std::vector<std::vector<size_t>> clusters;
+  for (const size_t k : order) {
+    const bool apart = !clusters.empty() && sizes[clusters.back().back()] > 0 &&
+                       sizes[k] >= groups * sizes[clusters.back().back()];
+    if (clusters.empty() || apart) clusters.emplace_back();
+    clusters.back().push_back(k);
   }
+  const auto lowest = [](const std::vector<size_t>& cluster) {
+    return *std::min_element(cluster.begin(), cluster.end());
+  };
+  const auto& largest =
+      *std::max_element(clusters.begin(), clusters.end(),
+                        [&](const std::vector<size_t>& a, const std::vector<size_t>& b) {
+                          return a.size() != b.size() ? a.size() < b.size() : lowest(a) > lowest(b);
+                        });
+  const auto middle = [&](const std::vector<size_t>& cluster) {
+    return sizes[cluster[cluster.size() / 2]];
+  };
+  std::vector<double> kept;
+  for (const std::vector<size_t>& cluster : clusters)
+    if (&cluster == &largest || middle(largest) <= 0 || middle(cluster) <= 0 ||
+        nearestUnitRatio(middle(cluster) / middle(largest)) == 0)
+      for (const size_t k : cluster) kept.push_back(sizes[k]);
+  return kept;
+}
+
+/// How far landmarks lie from where those around them say.
+class Neighbourhood {
+ public:
+  Neighbourhood(const std::vector<TrainingSet::Shape>& shapes, const Points& middle)
+      : shapes_(shapes), middle_(middle), near_(VertexLocator(middle).neighbours(around)) {}
+
+  const std::vector<int>& near(Eigen::Index j) const { return near_[static_cast<size_t>(j)]; }
+
+  /// By the mean of their displacements: quick, and moved by one that strays.
+  double fromMean(size_t k, Eigen::Index j) const {
+    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+    for (const int i : near(j)) mean += moved(k, i);
+    return (moved(k, j) - mean / static_cast<double>(near(j).size())).norm();
+  }
+
+  /// By their median.
+  double fromMedian(size_t k, Eigen::Index j) const {
+    Eigen::RowVector3d median;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (const int i : near(j)) values.push_back(moved(k, i)[axis]);
+      median[axis] = medianOf(std::move(values));
+    }
+    return (moved(k, j) - median).norm();
+  }
+
+  /// Of fromMedian of those around it the second largest: next to the tip of a long beak they, too,
+  /// lie far from where theirs say.
+  double unrest(size_t k, Eigen::Index j) const {
+    std::vector<double> values;
+    for (const int i : near(j)) values.push_back(fromMedian(k, i));
+    if (values.size() < 2) return 0;
+    std::nth_element(values.begin(), values.end() - 2, values.end());
+    return values[values.size() - 2];
+  }
+
+ private:
+  Eigen::RowVector3d moved(size_t k, Eigen::Index j) const {
+    return shapes_[k].landmarks.row(j) - middle_.row(j);
+  }
+
+  const std::vector<TrainingSet::Shape>& shapes_;
+  const Points& middle_;
+  std::vector<std::vector<int>> near_;
+};
+
+/// For each shape the landmarks that lie elsewhere than their neighbours say.
+std::vector<Outlier> strayLandmarks(const std::vector<TrainingSet::Shape>& shapes,
+                                    const Points& middle, double extent) {
+  std::vector<Outlier> strays(shapes.size());
+  if (middle.rows() < 2) return strays;
+  std::vector<std::vector<std::pair<double, int>>> found(shapes.size());
+  const Neighbourhood neighbourhood(shapes, middle);
+  std::vector<double> away(shapes.size());
+  for (Eigen::Index j = 0; j < middle.rows(); ++j) {
+    for (size_t k = 0; k < shapes.size(); ++k) away[k] = neighbourhood.fromMean(k, j);
+    const double usual = lowerQuantileOf(away, 0.75);
+    const double most = std::max(farOfOne * usual, visibleOfOne * extent);
+    for (size_t k = 0; k < shapes.size(); ++k) {
+      if (away[k] <= most) continue;
+      const double distance = neighbourhood.fromMedian(k, j);
+      if (distance <= std::max(most, abrupt * neighbourhood.unrest(k, j))) continue;
+      if (found[k].empty() || distance > strays[k].distance)
+        strays[k] = {k, Outlier::Kind::Landmarks, usual > 0 ? distance / usual : 0, distance};
+      found[k].emplace_back(-distance, static_cast<int>(j));
+    }
+  }
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    std::sort(found[k].begin(), found[k].end());
+    for (const auto& [distance, j] : found[k]) strays[k].landmarks.push_back(j);
+  }
+  return strays;
 }
 
 }  // namespace
@@ -73,7 +161,7 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
 
   std::vector<double> sizes, away;
   for (const TrainingSet::Shape& shape : given.shapes()) sizes.push_back(radius(shape.landmarks));
-  const std::vector<double> group = largestGroup(sizes);
+  const std::vector<double> group = inOneUnit(sizes);
   const double median = lowerQuantileOf(group, 0.5);
   const auto fromMedian = [median](double size) {
     return median > 0 && size > 0 ? std::fabs(std::log(size / median)) : 0;
@@ -88,6 +176,7 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
     distances.push_back(distanceInSize(shape.landmarks, middle));
   const double usual = lowerQuantileOf(distances, 0.75), half = lowerQuantileOf(distances, 0.5);
 
+  const std::vector<Outlier> strays = strayLandmarks(aligned.shapes(), middle, extent);
   for (size_t k = 0; k < count; ++k) {
     const double distance = distances[k];
     if (fromMedian(sizes[k]) > usualSize) {
@@ -97,6 +186,8 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
       outliers.push_back({k, Outlier::Kind::Shape, usual > 0 ? distance / usual : 0, distance});
     } else if (distance > twice * half && distance > unlike * extent) {
       outliers.push_back({k, Outlier::Kind::Shape, half > 0 ? distance / half : 0, distance});
+    } else if (!strays[k].landmarks.empty()) {
+      outliers.push_back(strays[k]);
     }
   }
   return outliers;

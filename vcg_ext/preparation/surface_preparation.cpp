@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vcg_ext/mesh/closed_surface.h"
+#include "vcg_ext/mesh/usable_extent.h"
 #include "vcg_ext/preparation/handle_removal.h"
 #include "vcg_ext/preparation/repeated_faces.h"
 #include "vcg_ext/preparation/welding.h"
@@ -12,11 +13,11 @@
 namespace sphere_propagation {
 namespace {
 
-/// Why a mesh is not a closed surface; nothing where it is one.
+/// Why a mesh is not a closed surface that encloses something; nothing where it is one.
 std::optional<Finding> findingOf(const Points& vertices, const Triangles& faces,
                                  const std::string& name) {
   try {
-    ClosedSurface(vertices, faces, name);
+    requireUsableExtent(ClosedSurface(vertices, faces, name));
   } catch (const SurfaceError& error) {
     return error.finding();
   }

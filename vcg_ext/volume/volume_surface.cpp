@@ -105,7 +105,8 @@ void smoothField(ScalarGrid& grid, Mask& mask, double h, double standardDeviatio
   }
 }
 
-/// Slices of which half or more is inside no more.
+/// Slices of which hardly anything is inside any more. Of two bodies side by side, one of which
+/// goes, no slice is lost.
 std::vector<int> lostSlicesOf(const WorkingVolume& volume) {
   const LabelStack& stack = volume.field.stack;
   const ScalarGrid& grid = volume.field.grid;
@@ -122,7 +123,7 @@ std::vector<int> lostSlicesOf(const WorkingVolume& volume) {
         before += grid.values[sample] > 0;
         after += volume.mask.values[sample];
       }
-    if (after < before && 2 * after <= before) lost.push_back(k + stack.firstSlice);
+    if (after < before && 10 * after <= before) lost.push_back(k + stack.firstSlice);
   }
   return lost;
 }

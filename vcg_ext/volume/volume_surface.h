@@ -35,7 +35,7 @@ struct VolumeSurface {
   long workingVoxels = 0;       ///< inside, before anything was filled, dropped or cut
   long filledVoxels = 0;        ///< of the working grid, in cavities
   DroppedParts dropped;         ///< of the working grid
-  std::vector<int> lostSlices;  ///< indices of slices at least half of which was dropped
+  std::vector<int> lostSlices;  ///< indices of slices at least nine tenths of which were dropped
   std::vector<UnevenSlice> unevenSlices;
   std::vector<UnevenSlice> farEnds;  ///< as of InterpolatedLabels
   std::vector<BorderContact> borders;
