@@ -147,7 +147,8 @@ TEST_F(AnchorFile, ReadsFiducialsOfSlicer) {
 TEST_F(AnchorFile, ReadsLandmarksOfScalismo) {
   const AnchorList list = read("a.json", R"([{"id":"apex","coordinates":[1.5,2.0,-3.25],
     "uncertainty":{"stddevs":[1,1,1],"pcvectors":[[1,0,0],[0,1,0],[0,0,1]]}},
-    {"coordinates":[4,5,6],"id":"base"}])");
+    {"coordinates":[4,5,6],"description":"of the valve","id":"base",
+     "extensions":{"of.a.viewer":{"color":null,"visible":false}}}])");
   EXPECT_EQ(list.anchors,
             (AnchorSet{{"apex", Vector3(1.5, 2, -3.25)}, {"base", Vector3(4, 5, 6)}}));
 }
@@ -160,6 +161,8 @@ TEST_F(AnchorFile, ReadsTables) {
            "\xEF\xBB\xBFx;y;z;Label\r\n1;-2.5;3;apex\r\n\r\n4;5;.6;\"left base\"\r\n",
            "# made by hand\napex 1 -2.5 3\nleft base\t4 5 0.6\n",
            "name\tx\ty\tz\tnote\napex\t1\t-2.5\t+3\tx\nleft base\t4\t5\t0.6\t\n",
+           "\"\",\"X\",\"Y\",\"Z\"\n\"apex\",1,-2.5,3\n\"left base\",4,5,0.6\n",  // R
+           "point,x,y,z\napex,1,-2.5,3\nleft base,4,5,0.6\n",
        })
     EXPECT_EQ(read("a.csv", text).anchors, both) << text;
   const AnchorList gaps = read("a.txt", "name,x,y,z\napex,,,\nbase,nan,nan,nan\ntip,1,2,3\n");
@@ -172,6 +175,7 @@ TEST_F(AnchorFile, CallsPlacesWithoutNamesByTheirOrder) {
   EXPECT_EQ(read("a.particles", "1 2 3\n4.0 5 6\n 7  8 9 \n").anchors, three);
   EXPECT_EQ(read("a.csv", "1,2,3\n4,5,6\n7,8,9\n").anchors, three);
   EXPECT_EQ(read("a.csv", "x,y,z\n1,2,3\n4,5,6\n7,8,9\n").anchors, three);
+  EXPECT_EQ(read("a.csv", "x,y,z,note\n1,2,3,a\n4,5,6,b\n7,8,9,c\n").anchors, three);
 }
 
 TEST_F(AnchorFile, AnchorsThatStandTwiceAreNone) {

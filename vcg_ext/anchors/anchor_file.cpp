@@ -307,7 +307,8 @@ struct Columns {
   size_t x = 0, y = 0, z = 0;
 };
 
-/// The columns that a first line of words names; nothing where it names no places.
+/// The columns that a first line of words names; nothing where it names no places. What stands
+/// before them without a word that is known are names, too, as in tables that R writes.
 std::optional<Columns> columnsFrom(const std::vector<std::string>& header) {
   std::optional<size_t> name, place[3];
   for (size_t i = 0; i < header.size(); ++i) {
@@ -318,6 +319,7 @@ std::optional<Columns> columnsFrom(const std::vector<std::string>& header) {
       if (word == std::string(1, static_cast<char>('x' + k)) && !place[k]) place[k] = i;
   }
   if (!place[0] || !place[1] || !place[2]) return std::nullopt;
+  if (!name && std::min({*place[0], *place[1], *place[2]}) > 0) name = 0;
   return Columns{name, *place[0], *place[1], *place[2]};
 }
 
