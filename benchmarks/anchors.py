@@ -26,6 +26,8 @@ RUNS = [
     (6, 0.0, 1, {"anchors": "Soft"}),
     (6, 0.0, 1, {"anchors": "Exact"}),
     (12, 0.0, 1, {"anchors": "Exact"}),
+    (6, 0.0, 1, {"anchors": "Exact", "anchor_sd": 0.3}),
+    (12, 0.0, 1, {"anchors": "Exact", "anchor_sd": 0.3}),
     (12, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
     (3, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0}),
     (3, 1.0, 3, {"anchors": "Soft", "anchor_sd": 1.0, "anchor_pose": True}),

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "vcg_ext/anchors/coarse_map.h"
 #include "vcg_ext/area/area_minimiser.h"
 #include "vcg_ext/base/error.h"
 #include "vcg_ext/sphere/certificate.h"
@@ -24,9 +25,18 @@ constexpr double widthPerWay = 2, leastWidth = 0.12, mostWidth = 0.6, stepPerWid
 constexpr double shapeWeight = 3;
 /// Relaxation ends with the step that leaves this share of the energy or more; its systems are
 /// solved no better than that takes.
-constexpr double enoughOnTheWay = 0.98, enoughAtEnd = 0.997;
-constexpr int stepsOnTheWay = 4, stepsAtEnd = 20, conjugateGradientIterations = 40;
+struct Effort {
+  int steps;  ///< at most
+  double enough;
+  int conjugateGradientIterations;
+};
+constexpr Effort onTheWay{4, 0.98, 40}, atEnd{20, 0.997, 40};
 constexpr double conjugateGradientTolerance = 0.1;
+/// Far ways are gone with a share of the vertices, not too few. Every time that so many times as
+/// many are back, what they carry is relaxed; in the end little but what is near is left.
+constexpr double coarseShare = 0.1, stageRatio = 2.5;
+constexpr int fewestVertices = 800;
+constexpr Effort ofFew{40, 0.999, 40}, ofStage{20, 0.995, 20}, ofAll{4, 0.97, 12};
 constexpr double onePlace = 1e-9;   // radians
 constexpr double leastApart = 0.2;  // of what two are apart at the ends of their ways
 constexpr int placesOnTheWay = 50;
@@ -186,45 +196,64 @@ std::vector<int> ownersOf(const ClosedSurface& surface, const std::vector<Surfac
   return owners;
 }
 
+std::vector<char> heldBy(const std::vector<int>& owners) {
+  std::vector<char> held;
+  held.reserve(owners.size());
+  for (const int its : owners) held.push_back(its != nobody);
+  return held;
+}
+
 /// What the flow has squeezed and stretched spreads over the sphere while what is held stays.
 class Relaxation {
  public:
-  /// freely: 0 keeps the given map's shapes of faces, 1 asks for the surface's.
-  Relaxation(const MappedSurface& given, const std::vector<char>& held, double freely)
-      : minimiser_(given.surface(), targetsOf(given, static_cast<float>(freely))) {
-    minimiser_.hold(held);
+  /// given: the map as it was, on these vertices; freely: 0 keeps its shapes of faces, 1 asks for
+  /// the surface's.
+  Relaxation(FaceRings rings, const Points& vertices, const Points& given, std::vector<char> held,
+             double freely)
+      : minimiser_(withTargets(std::move(rings), vertices, given, static_cast<float>(freely))) {
+    minimiser_.hold(std::move(held));
   }
+  Relaxation(const MappedSurface& given, std::vector<char> held, double freely)
+      : Relaxation(FaceRings::of(given.surface()), given.surface().vertices(), given.positions(),
+                   std::move(held), freely) {}
 
-  /// At most so many steps, until one leaves this share of the energy.
-  MappedSurface of(const MappedSurface& map, int steps, double until) {
+  void lower(Points& positions, const Effort& effort) {
     AreaStepParameters parameters;
     parameters.weights = {1, shapeWeight};
-    parameters.conjugateGradientIterations = conjugateGradientIterations;
+    parameters.conjugateGradientIterations = effort.conjugateGradientIterations;
     parameters.conjugateGradientTolerance = conjugateGradientTolerance;
+    for (int i = 0; i < effort.steps; ++i)
+      if (minimiser_.step(parameters, positions) > effort.enough) break;
+  }
+
+  MappedSurface of(const MappedSurface& map, const Effort& effort) {
     Points positions = map.positions();
-    for (int i = 0; i < steps; ++i)
-      if (minimiser_.step(parameters, positions) > until) break;
+    lower(positions, effort);
     const std::optional<MappedSurface> relaxed = MappedSurface::ifValid(map.surface(), positions);
     return relaxed ? *relaxed : map;
   }
 
  private:
-  static std::vector<FaceTarget> targetsOf(const MappedSurface& given, float freely) {
-    std::vector<FaceTarget> targets = faceTargets(given.positions(), given.faces());
-    const std::vector<FaceTarget> surface = faceTargets(given.surface().vertices(), given.faces());
+  static AreaMinimiser withTargets(FaceRings rings, const Points& vertices, const Points& given,
+                                   float freely) {
+    std::vector<FaceTarget> targets = faceTargets(given, rings.faces);
+    const std::vector<FaceTarget> surface = faceTargets(vertices, rings.faces);
     for (size_t f = 0; f < targets.size(); ++f)
       for (size_t k = 0; k < 3; ++k)
         targets[f].stiffness[k] += freely * (surface[f].stiffness[k] - targets[f].stiffness[k]);
-    return targets;
+    return AreaMinimiser(std::move(rings), std::move(targets));
   }
 
   AreaMinimiser minimiser_;
 };
 
-/// Throws AnchorError where the manner leads nowhere.
+/// How much the surface counts beside the given map where shapes of faces are asked for.
+double freedomAfter(double longestWay) { return std::min(1.0, 2 * longestWay); }
+
+/// Throws AnchorError where the manner leads nowhere. end: of the last relaxation.
 ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& points,
                    const std::vector<Vector3>& targets, const std::vector<std::string>& names,
-                   const Manner& manner) {
+                   const Manner& manner, const Effort& end) {
   ExactMap result{map};
   const ClosedSurface& surface = map.surface();
   std::vector<Vector3> places(points.size()), left(points.size());
@@ -241,9 +270,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
   double most = result.longestWay = look();
   const double width = std::clamp(widthPerWay * most, leastWidth, mostWidth);
   const std::vector<int> owners = ownersOf(surface, points);
-  std::vector<char> held;
-  held.reserve(owners.size());
-  for (const int its : owners) held.push_back(its != nobody);
+  const std::vector<char> held = heldBy(owners);
   const auto movedBy = [&](double share) {
     std::vector<Vector3> velocities = left;
     for (Vector3& velocity : velocities) velocity *= share;
@@ -266,13 +293,12 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
     return moved;
   };
   std::optional<Relaxation> relaxation;
-  if (result.longestWay > farAway)
-    relaxation.emplace(map, held, std::min(1.0, 2 * result.longestWay));
+  if (result.longestWay > farAway) relaxation.emplace(map, held, freedomAfter(result.longestWay));
   double sinceRelaxed = 0, shorter = 1;
   for (;; most = look(), ++result.steps) {
     if (most < exactDistance) {
       if (!relaxation) break;
-      result.map = relaxation->of(result.map, stepsAtEnd, enoughAtEnd);
+      result.map = relaxation->of(result.map, end);
       relaxation.reset();  // what follows are the last bits
       continue;
     }
@@ -291,7 +317,7 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
         result.map = std::move(mended.map);
       } catch (const MapError&) {
         if (relaxation && manner.waits && shorter > leastShare) {
-          result.map = relaxation->of(result.map, stepsOnTheWay, enoughOnTheWay);
+          result.map = relaxation->of(result.map, onTheWay);
           shorter /= 2;
           sinceRelaxed = 0;
           continue;
@@ -304,12 +330,43 @@ ExactMap broughtTo(const MappedSurface& map, const std::vector<SurfacePoint>& po
       }
     }
     if (relaxation && manner.spreads && sinceRelaxed >= betweenRelaxations) {
-      result.map = relaxation->of(result.map, stepsOnTheWay, enoughOnTheWay);
+      result.map = relaxation->of(result.map, onTheWay);
       sinceRelaxed = 0;
     }
     shorter = std::min(1.0, 2 * shorter);
   }
   return result;
+}
+
+/// The same with a share of the vertices, which then take the others along; nothing where the mesh
+/// has few, and where this finds no map.
+std::optional<ExactMap> broughtByFew(const MappedSurface& map,
+                                     const std::vector<SurfacePoint>& points,
+                                     const std::vector<Vector3>& targets,
+                                     const std::vector<std::string>& names) {
+  const int vertices = std::max(static_cast<int>(coarseShare * map.vertexCount()), fewestVertices);
+  if (2 * vertices > map.vertexCount()) return std::nullopt;
+  const std::vector<char> held = heldBy(ownersOf(map.surface(), points));
+  try {
+    CoarseMap coarse(map, held, vertices);
+    std::vector<SurfacePoint> onCoarse;
+    onCoarse.reserve(points.size());
+    for (const SurfacePoint& point : points) onCoarse.push_back(coarse.onCoarse(point));
+    ExactMap result = broughtTo(coarse.map(), onCoarse, targets, names, manners[0], ofFew);
+    const double freely = freedomAfter(result.longestWay);
+    result.map = coarse.refined(result.map.positions(), stageRatio, [&](CoarseMap::Stage& stage) {
+      Relaxation(std::move(stage.rings), stage.vertices, stage.before, std::move(stage.kept),
+                 freely)
+          .lower(stage.positions, ofStage);
+    });
+    result.map = Relaxation(map, held, freely).of(result.map, ofAll);
+    for (size_t k = 0; k < points.size(); ++k)
+      if (!(wayFrom(placeOf(result.map, points[k]), targets[k]).norm() < exactDistance))
+        return std::nullopt;
+    return result;
+  } catch (const Error&) {  // too few for where the points go
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -325,10 +382,16 @@ ExactMap holdExactly(const MappedSurface& map, const std::vector<SurfacePoint>& 
   places.reserve(points.size());
   for (const SurfacePoint& point : points) places.push_back(placeOf(map, point));
   requireApart(places, targets, map.surface().name(), names);
+  double longest = 0;
+  for (size_t k = 0; k < points.size(); ++k)
+    longest = std::max(longest, wayFrom(places[k], targets[k]).norm());
+  if (longest > farAway)
+    if (std::optional<ExactMap> brought = broughtByFew(map, points, targets, names))
+      return std::move(*brought);
   std::optional<AnchorError> first;  // says more than those of the others
   for (const Manner& manner : manners) {
     try {
-      return broughtTo(map, points, targets, names, manner);
+      return broughtTo(map, points, targets, names, manner, atEnd);
     } catch (const AnchorError& error) {
       if (!first) first = error;
     }
