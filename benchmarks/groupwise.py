@@ -33,7 +33,7 @@ import numpy as np
 import pymeshlab
 import sphere_propagation as sp
 from made_motions import meshed
-from setting import DATA, PLUGIN, yardstick
+from setting import DATA, yardstick
 
 SHAPES = 16
 FREQUENCY = 10  # of the landmarks
@@ -397,7 +397,6 @@ def main():
     names = sys.argv[1:]
     data = Path(names.pop(0)).resolve() if names and Path(names[0]).is_dir() else DATA
     measure, _ = yardstick(data)
-    pymeshlab.load_plugin(str(PLUGIN))
     if names[:1] == ["--measures"]:
         print_measures(data, measure, names[1:])
         return
