@@ -44,6 +44,8 @@ def sources(picture: str):
         return ("scripts/draw-fitting", *MAPS)
     if picture == "anchors":
         return ("scripts/draw-anchors", *MAPS)
+    if picture == "groupwise":
+        return ("scripts/draw-groupwise", *MAPS)
     if picture == "calibration":
         return ("benchmarks/fitting.py",)
     if picture == "uncertainty":

@@ -16,6 +16,7 @@
 #include "tests/core/test_meshes.h"
 #include "vcg_ext/root_map/harmonic_map.h"
 #include "vcg_ext/sphere/certificate.h"
+#include "vcg_ext/sphere/repair/relocation.h"
 
 namespace sphere_propagation::test {
 namespace {
@@ -28,6 +29,36 @@ std::set<int> neighbourhood(const ClosedSurface& surface, std::set<int> centres,
       for (int w : surface.ring(v)) centres.insert(w);
   }
   return centres;
+}
+
+TEST(Relocation, MovesOnlyVerticesOfFlippedFaces) {
+  const Mesh mesh = icosphereMesh(12);
+  const ClosedSurface surface(mesh.vertices, mesh.faces);
+  Points positions = mesh.vertices;
+  std::set<int> pushed;
+  for (const int centre : {0, 40, 300, 500, 501, 1000, 1300}) {
+    pushed.insert(centre);
+    positions.row(centre) += 1.4 * (positions.row(surface.ring(centre)[0]) - positions.row(centre));
+  }
+  positions.rowwise().normalize();
+  const int flipped = static_cast<int>(certify(mesh.faces, positions).flippedFaces);
+  ASSERT_GT(flipped, 6);
+  Points relocated = positions;
+  EXPECT_EQ(relocateFlipped(mesh.faces, relocated), flipped);
+  EXPECT_TRUE(certify(mesh.faces, relocated).valid());
+  const std::set<int> near = neighbourhood(surface, pushed, 1);
+  for (int v = 0; v < surface.vertexCount(); ++v)
+    if (near.count(v) == 0) EXPECT_EQ(relocated.row(v), positions.row(v)) << v;
+  EXPECT_LT((relocated - positions).rowwise().norm().maxCoeff(), 0.25);
+}
+
+TEST(Relocation, LeavesAMapAndSaysWhereItCannotHelp) {
+  const Mesh mesh = icosphereMesh(4);
+  Points positions = mesh.vertices;
+  EXPECT_EQ(relocateFlipped(mesh.faces, positions), 0);
+  EXPECT_EQ(positions, mesh.vertices);
+  positions *= -1;  // inside out
+  EXPECT_EQ(relocateFlipped(mesh.faces, positions), -1);
 }
 
 TEST(Untangling, LeavesAMapAsItIs) {

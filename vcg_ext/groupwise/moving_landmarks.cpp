@@ -5,9 +5,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "vcg_ext/base/error.h"
+#include "vcg_ext/sphere/repair/relocation.h"
 #include "vcg_ext/sphere/repair/untangling.h"
 #include "vcg_ext/sphere/spherical_triangle.h"
 
@@ -112,6 +114,11 @@ FollowedMap MovingLandmarks::map() const {
       Points positions = surface_.positions();
       for (auto step = steps_.rbegin(); step != steps_.rend(); ++step)
         positions = step->fields->flow(positions, share * step->theta, -1);
+      Points relocated = positions;
+      if (const int flipped = relocateFlipped(surface_.faces(), relocated); flipped >= 0)
+        if (std::optional<MappedSurface> valid =
+                MappedSurface::ifValid(surface_.surface(), std::move(relocated)))
+          return {std::move(*valid), flipped, share};
       try {
         Untangled untangled = mend(surface_.surface(), std::move(positions));
         return {std::move(untangled.map), untangled.repairedFaces, share};

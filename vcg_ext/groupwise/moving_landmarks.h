@@ -55,7 +55,8 @@ class MovingLandmarks {
   /// (radian) at first. The fields must live as long as this object is asked for maps.
   void move(std::shared_ptr<const SphereFields> fields, Eigen::VectorXd theta, double longest);
 
-  /// phi^-1 after P, at the surface's vertices, untangled locally (untangling.h). Where that does
+  /// phi^-1 after P, at the surface's vertices; what flips is relocated (relocation.h), or else
+  /// untangled locally (untangling.h), which lays more of the surface anew. Where that does
   /// not end in a valid map, because faces are too large to follow, only a part of each flow is
   /// gone; with none of it the map is P.
   FollowedMap map() const;
