@@ -69,13 +69,18 @@ class ShapeModel {
     return { scores: backward(factor, size, forward(factor, size, right)), factor };
   }
 
-  /** Per landmark the standard deviation of its place, sqrt(trace of its covariance D P^-1 D'); factor: of `posterior`. */
+  /** Per landmark the standard deviation of its place, sqrt(trace of its covariance D P^-1 D'); factor: of `posterior`. Mode by mode,
+   * so that memory is read in its order: it is done anew in each picture while a landmark is dragged. */
   uncertainty(factor) {
-    const sd = new Float64Array(this.landmarks), row = new Float64Array(this.modes);
-    for (let i = 0; i < this.mean.length; ++i) {
-      for (let m = 0; m < this.modes; ++m) row[m] = this.directions[m * this.mean.length + i];
-      const solved = forward(factor, this.modes, row);
-      for (const value of solved) sd[Math.floor(i / 3)] += value * value;
+    const size = this.modes, sd = new Float64Array(this.landmarks), row = new Float64Array(this.mean.length);
+    const columns = Array.from({ length: size }, (_, k) => forward(factor, size, Float64Array.from({ length: size }, (__, m) => Number(m === k)))); // of L^-1
+    for (let m = 0; m < size; ++m) {
+      row.fill(0);
+      for (let k = 0; k <= m; ++k) {
+        const share = columns[k][m], start = k * row.length;
+        for (let i = 0; i < row.length; ++i) row[i] += share * this.directions[start + i];
+      }
+      for (let i = 0; i < row.length; ++i) sd[Math.floor(i / 3)] += row[i] * row[i];
     }
     return sd.map(Math.sqrt);
   }
