@@ -152,8 +152,9 @@ void FittingTarget::sample(const Eigen::VectorXd& areas) {
   }
 }
 
-SurfacePoint FittingTarget::closest(const Vector3& x, const Vector3& normal) const {
-  SurfacePoint found = locator_.closest(x, normal, agreement);
+SurfacePoint FittingTarget::closest(const Vector3& x, const Vector3& normal, int& near) const {
+  SurfacePoint found = locator_.closest(x, normal, agreement, near);
+  near = found.face;
   if (found.face >= 0 && atEdge_[static_cast<size_t>(found.face)]) found.face = -1;
   return found;
 }

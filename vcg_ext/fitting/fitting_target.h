@@ -33,7 +33,8 @@ class FittingTarget {
 
   /// The closest point among the faces that look this way (agreement, below); face -1: none does,
   /// or it lies at the edge of an open surface, beyond which nobody knows what is there.
-  SurfacePoint closest(const Vector3& x, const Vector3& normal) const;
+  /// near: a face that is probably close, to look at first, or -1; becomes the one that is closest.
+  SurfacePoint closest(const Vector3& x, const Vector3& normal, int& near) const;
   Vector3 pointAt(const SurfacePoint& point) const { return point.interpolate(faces_, vertices_); }
 
   static constexpr int sampleCount = 500;

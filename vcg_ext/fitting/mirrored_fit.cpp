@@ -10,7 +10,7 @@ namespace sphere_propagation {
 namespace {
 
 constexpr Eigen::Index observed = 250;  // landmarks; the samples are thinned alike
-constexpr int iterations = 8;
+constexpr int iterations = 8, starts = 6;
 
 }  // namespace
 
@@ -19,6 +19,7 @@ double advantageOfMirrorImage(const FittingModel& model, const FittingTarget& ta
   ModelFitParameters parameters;
   parameters.scales = scales;
   parameters.iterations = iterations;
+  parameters.starts = starts;
   parameters.thinning = static_cast<int>(std::max<Eigen::Index>(1, model.mean().rows() / observed));
   parameters.pose = RigidMotion{fit.rotation, fit.translation};
   parameters.scale = fit.scale;

@@ -21,10 +21,9 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr int firstIterations = 2, startIterations = 6, mostStarts = 16;
-constexpr int allTurns = 60, mostStartsOfParts = 12;
+constexpr int firstIterations = 2, startIterations = 6, allTurns = 60;
 // Of the landmarks, while poses are compared, in the first steps and in those that follow.
-constexpr Eigen::Index observedFirst = 330, observedThen = 500;
+constexpr Eigen::Index observedFirst = 165, observedThen = 500;
 constexpr int posesOfFreedom = 7;          // rotation, translation, scale
 constexpr double leastNoise = 0.05;        // of the surface's mean edge
 constexpr double hard = 3;                 // a residual of so many sigma weighs a quarter
@@ -71,6 +70,7 @@ class Fitting {
         target_(target),
         parameters_(parameters),
         modelEdge_(facesAtEdge(model.faces())),
+        order_(SurfaceLocator(model.mean(), model.faces()).order()),
         leastNoise_(leastNoise *
                     (parameters.meanEdge > 0 ? parameters.meanEdge : target.meanEdge())),
         temper_(static_cast<double>(model.mean().rows() + FittingTarget::sampleCount) /
@@ -87,10 +87,11 @@ class Fitting {
   Solved solve(State state, Eigen::Index columns, int iterations, ThreadPool& pool) const {
     state.c.conservativeResizeLike(Eigen::VectorXd::Zero(columns));
     Solved solved;
+    Nearby nearby;
     for (int iteration = 0; iteration < iterations; ++iteration) {
       const Points x = model_.shape(state.c);
       const Points y = state.placed(x);
-      Observations seen = observe(y, pool);
+      Observations seen = observe(y, nearby, pool);
       if (seen.count() == 0)
         throw SurfaceError(
             "No part of the model comes near the surface with the same side outwards.");
@@ -190,14 +191,21 @@ class Fitting {
     pull[6] = 0;
   }
 
-  Observations observe(const Points& y, ThreadPool& pool) const {
+  /// Faces that were found the last time, to look at first: of the surface, of the model.
+  struct Nearby {
+    std::vector<int> feet, places;
+  };
+
+  Observations observe(const Points& y, Nearby& nearby, ThreadPool& pool) const {
     const Points normals = vertexNormals(y, model_.faces());
-    const SurfaceLocator moved(y, model_.faces());
+    const SurfaceLocator moved(y, model_.faces(), order_);
     const int every = parameters_.thinning;
     const auto landmarks = (static_cast<int>(y.rows()) + every - 1) / every,
                samples = (static_cast<int>(target_.samples().rows()) + every - 1) / every;
     std::vector<SurfacePoint> feet(static_cast<size_t>(landmarks)),
         places(static_cast<size_t>(samples));
+    nearby.feet.resize(feet.size(), -1);
+    nearby.places.resize(places.size(), -1);
     constexpr int chunk = 128;
     const auto inChunks = [&pool](int count, const auto& f) {
       pool.forEach((count + chunk - 1) / chunk, [&](int part) {
@@ -206,14 +214,18 @@ class Fitting {
     };
     inChunks(landmarks, [&](int i) {
       const int j = i * every;
+      int& near = nearby.feet[static_cast<size_t>(i)];
       feet[static_cast<size_t>(i)] =
-          target_.closest(y.row(j).transpose(), normals.row(j).transpose());
+          target_.closest(y.row(j).transpose(), normals.row(j).transpose(), near);
     });
     inChunks(samples, [&](int i) {
       const int at = i * every;
-      places[static_cast<size_t>(i)] =
-          moved.closest(target_.samples().row(at).transpose(),
-                        target_.sampleNormals().row(at).transpose(), FittingTarget::agreement);
+      SurfacePoint& place = places[static_cast<size_t>(i)];
+      int& near = nearby.places[static_cast<size_t>(i)];
+      place = moved.closest(target_.samples().row(at).transpose(),
+                            target_.sampleNormals().row(at).transpose(), FittingTarget::agreement,
+                            near);
+      near = place.face;
     });
     Observations seen;
     for (int i = 0; i < landmarks; ++i) {
@@ -267,6 +279,7 @@ class Fitting {
   const FittingTarget& target_;
   const ModelFitParameters& parameters_;
   std::vector<char> modelEdge_;  // of its faces, where lids were left out
+  std::vector<int> order_;       // of its faces, in a tree
   double leastNoise_, temper_;
 };
 
@@ -281,6 +294,7 @@ State at(const RigidMotion& pose, double scale = 1) {
 void requireValid(const FittingModel& model, const ModelFitParameters& parameters) {
   requireRange("number of iterations", parameters.iterations, Range::between(1, 1000));
   requireRange("scale", parameters.scale, Range::above(0));
+  requireRange("number of starts", parameters.starts, Range::between(2, 2 * allTurns));
   requireRange("thinning", parameters.thinning, Range::atLeast(1));
   requireRange("calibration", parameters.calibration, Range::above(0));
   requireRange("mean edge", parameters.meanEdge, Range::atLeast(0));
@@ -364,9 +378,9 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
           });
     };
     std::vector<State> states, more;
-    const size_t sure = target.closed() ? mostStarts / 2 : mostStartsOfParts;
-    for (const StartPose& one :
-         startPoses(model, target, target.closed() ? mostStarts / 2 : allTurns, pool))
+    const int half = parameters.starts / 2;
+    const auto sure = static_cast<size_t>(target.closed() ? half : half + half / 2);
+    for (const StartPose& one : startPoses(model, target, target.closed() ? half : allTurns, pool))
       (states.size() < sure ? states : more).push_back(at(one.motion));
     if (target.closed())
       for (const RigidMotion& motion : turnsAboutCentre(model, target)) more.push_back(at(motion));
@@ -374,7 +388,7 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
     std::stable_sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) {
       return a && (!b || a->energy < b->energy);
     });
-    for (size_t i = 0; i < begun.size() && i < mostStarts / 2; ++i)
+    for (size_t i = 0; i < begun.size() && i < static_cast<size_t>(half); ++i)
       if (begun[i]) states.push_back(begun[i]->state);
     fit.starts = static_cast<int>(states.size());
     report(progress, 0.3);

@@ -49,6 +49,7 @@ struct ModelFitParameters {
   bool scales = false;  ///< whether s is sought; else it stays
   std::vector<FittingAnchor> anchors = {};
   int iterations = 12;  ///< at most, 1 to 1000
+  int starts = 16;  ///< poses that are continued by a search, of a part a quarter more; 2 to 120
   /// What standard deviations are multiplied by: fit_calibration.h.
   double calibration = 1;
   /// Only every so many-th landmark and sample is observed, and only these landmarks get a

@@ -14,7 +14,7 @@
 namespace sphere_propagation {
 namespace {
 
-constexpr int samplesUsed = 200, steps = 12;
+constexpr int samplesUsed = 100, steps = 12;
 constexpr double trimmed = 0.7;        // the share of the samples that is fitted
 constexpr double agreementHere = 0.3;  // of normals: poses are rough
 constexpr double distinct = 0.3;       // norm of the difference of two rotations
@@ -43,17 +43,20 @@ StartPose fitFrom(const Samples& samples, const FittingModel& model, const Surfa
   const Eigen::Index count = samples.points.rows();
   const double far = model.radius();
   std::vector<double> distances(static_cast<size_t>(count));
+  std::vector<int> nearby(distances.size(), -1);  // faces found the last time, to look at first
   for (int step = 0; step < steps; ++step) {
     const Points x = pose.applyTo(samples.points), m = samples.normals * pose.rotation.transpose();
     Points feet(count, 3), normals(count, 3);
     for (Eigen::Index i = 0; i < count; ++i) {
       const Vector3 point = x.row(i).transpose();
-      SurfacePoint foot = mean.closest(point, m.row(i).transpose(), agreementHere);
+      int& near = nearby[static_cast<size_t>(i)];
+      SurfacePoint foot = mean.closest(point, m.row(i).transpose(), agreementHere, near);
       double beyond = 0;
       if (foot.face < 0) {
-        foot = mean.closest(point);
+        foot = mean.closest(point, near);
         beyond = far;
       }
+      near = foot.face;
       feet.row(i) = foot.interpolate(model.faces(), model.mean()).transpose();
       normals.row(i) = faceNormals.row(foot.face);
       distances[static_cast<size_t>(i)] = foot.distance + beyond;
