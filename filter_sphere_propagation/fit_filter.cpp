@@ -23,6 +23,7 @@
 #include "vcg_ext/fitting/fitted_map.h"
 #include "vcg_ext/fitting/mirrored_fit.h"
 #include "vcg_ext/fitting/model_fit.h"
+#include "vcg_ext/fitting/sized_fit.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/model_file.h"
 #include "vcg_ext/model/shape_deviation.h"
@@ -163,6 +164,11 @@ class FitFilter : public host::Filter {
       const double advantage = advantageOfMirrorImage(model, target, fit, parameters.scales, pool);
       if (advantage > clearAdvantage)
         task.sayOf(*layer, messages::mirrorImageFitsBetter, advantage);
+    }
+    if (!parameters.scales && isWithoutSize(shapes)) {
+      const SizedFit own = fitOfOwnSize(model, target, fit, parameters, pool);
+      if (own.advantage > clearAdvantage)
+        task.sayOf(*layer, messages::sizeIsHeld, own.scale, own.advantage);
     }
     addLayer(task, *layer, model, fit);
     host::Outputs outputs = outputsOf(model, fit, deviation, target);

@@ -19,6 +19,7 @@
 #include "vcg_ext/fitting/fit_calibration.h"
 #include "vcg_ext/fitting/fitted_map.h"
 #include "vcg_ext/fitting/mirrored_fit.h"
+#include "vcg_ext/fitting/sized_fit.h"
 #include "vcg_ext/mesh/icosphere.h"
 #include "vcg_ext/mesh/surface_geometry.h"
 #include "vcg_ext/model/shape_deviation.h"
@@ -213,6 +214,21 @@ TEST_F(ModelFitting, ScalesWhereAsked) {
   EXPECT_NEAR(found.scale, 1.3, 0.03);
   EXPECT_LT(meanError(found.landmarks, other.landmarks), 0.4);
   EXPECT_EQ(fit(egg({0.5, -0.2, 0.4}).mesh).scale, 1);
+}
+
+TEST_F(ModelFitting, TellsTheSizeThatItIsNotHeldTo) {
+  const auto own = [this](double size) {
+    Egg other = egg({0.5, -0.2, 0.4});
+    other.mesh.vertices *= size;
+    const Mesh part = cut(other.mesh, Vector3::UnitY(), 12 * size);
+    return fitOfOwnSize(model_, target(part), fit(part), {}, pool_);
+  };
+  const SizedFit larger = own(1.3);
+  EXPECT_GT(larger.advantage, clearAdvantage);
+  EXPECT_NEAR(larger.scale, 1.3, 0.05);
+  const SizedFit same = own(1);
+  EXPECT_LT(same.advantage, clearAdvantage);
+  EXPECT_NEAR(same.scale, 1, 0.03);
 }
 
 TEST_F(ModelFitting, GoesThroughAnchors) {

@@ -289,5 +289,22 @@ def test_size_is_sought_where_the_model_has_none(built, tmp_path):
     pose = one.apply_filter(FIT, model_file=file)["pose"].reshape(4, 4)
     assert np.cbrt(np.linalg.det(pose[:3, :3])) > 1.1
     two = project((1.4 * v, f))
-    pose = two.apply_filter(FIT, model_file=file, alignment="Rigid")["pose"].reshape(4, 4)
-    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1)
+    found = two.apply_filter(FIT, model_file=file, alignment="Rigid")
+    assert np.linalg.det(found["pose"].reshape(4, 4)[:3, :3]) == pytest.approx(1)
+    assert "holds the fit to the mean's" in said(found)
+
+
+def test_a_half_that_is_held_to_another_size_is_named(built, tmp_path):
+    """It lies near the model wherever that is, so its distance says nothing."""
+    ms = mapped_cycle(6)
+    ms.apply_filter(REMESH, frequency=5)
+    file = str(tmp_path / "similar.npz")
+    ms.apply_filter(MODEL, alignment="Similarity", export_file=file)
+    v, f = built[1]
+    upper = f[(v[f][:, :, 2] > np.median(v[:, 2])).all(1)]
+    mean = np.linalg.norm(np.load(file)["mean"] - np.load(file)["mean"].mean(0), axis=1).mean()
+    size = mean / np.linalg.norm(v - v.mean(0), axis=1).mean()
+    for scale, named in ((1.3 * size, True), (size, False)):
+        ms = project((scale * v, upper))
+        found = ms.apply_filter(FIT, model_file=file, alignment="Rigid")
+        assert ("holds the fit to the mean's" in said(found)) == named
