@@ -7,6 +7,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
     groupwise.py [DATA] --restored [NAME ...]
     groupwise.py [DATA] --anchors NAME ...
     groupwise.py [DATA] --measures NAME ...
+    groupwise.py [DATA] --phases PART ...
     groupwise.py [DATA] --skulls
     groupwise.py [DATA] --many N ...
 
@@ -17,6 +18,7 @@ PyMeshLab, with every parameter of the filters as it comes, but for one column.
     --anchors   what six points whose truth is known do, in groupwise alone and in propagation, too
     --measures  what compactness, generalisation and specificity say of one mode, between landmarks
             and between surfaces, of the truth, after propagation and after each objective
+    --phases    what to do with phases of several subjects: PART cavity or wall (made_motions.py)
     --skulls    what the model of the real skulls is said to be, between surfaces
     --many  what N shapes cost instead (warped hippocampi of 3000 vertices, of one mesh)
 
@@ -27,12 +29,13 @@ of the landmarks of t from where the truth carries those of s; measured by DATA/
 
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import sphere_propagation as sp
-from made_motions import meshed
+from made_motions import Ventricle, meshed
 from setting import DATA, yardstick
 
 SHAPES = 16
@@ -252,6 +255,13 @@ def rebuilt(meshes, build):
     return sp.rebuilt_generalisation(surfaces, 1, build=build, alignment="None").generalisation[0]
 
 
+def onto(measure, points, mesh):
+    """The closest points of a mesh, which has noise."""
+    vertices, faces = mesh
+    face, weight, _ = measure.closest_points(vertices, faces, points)
+    return np.einsum("pk,pkj->pj", weight, vertices[faces[face]])
+
+
 def print_measures(data, measure, names):
     """Of one mode, for several ways to correspondence."""
     print(
@@ -275,7 +285,8 @@ def print_measures(data, measure, names):
                     objective=objective,
                 )
             rows[objective] = landmarks(project)
-        rows = {"truth": landmarks_of_truth(measure, truth, rows["propagated"]), **rows}
+        where = landmarks_of_truth(measure, truth, rows["propagated"])
+        rows = {"truth": [onto(measure, *pair) for pair in zip(where, meshes)], **rows}
         ways = ways_to_rebuild(rows["truth"], project.mesh(SHAPES).face_matrix())
         for words, found in rows.items():
             cells = row_of_measures(
@@ -320,6 +331,77 @@ def print_anchors(data, measure, names):
             flipped += flips(measure, project)
         cells = [name, *(f"{error:.2f}" for error in errors), flipped]
         print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def maps_by(meshes, order, root_map=None):
+    """Propagated from the first one."""
+    root = sp.parameterise_root(meshes[0]) if root_map is None else root_map
+    return sp.propagate(meshes, root, order=order).maps
+
+
+def print_phases(measure, parts):
+    """Six subjects in five phases each: every shape by itself in the optimisation, or one
+    deformation per subject, by which its phases are carried along."""
+    print(
+        "| maps | all pairs | phases of one subject | one phase of two subjects | CPU s |\n"
+        "| --- | --- | --- | --- | --- |"
+    )
+    warnings.simplefilter("ignore", sp.SpherePropagationWarning)  # of poses, which differ
+    phases = (0, 4, 8, 12, 18)
+    for part in parts:
+        subjects = [Ventricle(part, 100 + s) for s in range(6)]
+        random = np.random.RandomState(3)
+        meshes = [[meshed(one, t, 2500, random, noise=0.05) for t in phases] for one in subjects]
+        first = [cycle[0] for cycle in meshes]
+
+        def cycles_from(maps, meshes=meshes):
+            return [m for cycle, root in zip(meshes, maps) for m in maps_by(cycle, "Time", root)]
+
+        everything = [mesh for cycle in meshes for mesh in cycle]
+        start = maps_by(first, "Similarity tree")
+        apart = cycles_from(start)
+        clock = [time.process_time()]
+        together = sp.optimise_groupwise(first, start).maps
+        clock.append(time.process_time())
+        carried = cycles_from(together)
+        clock.append(time.process_time())
+        alike = sp.optimise_groupwise(everything, apart).maps
+        clock.append(time.process_time())
+        both = sp.optimise_groupwise(everything, carried).maps
+        seconds = np.diff(clock)
+        ways = {
+            "propagated": (apart, 0),
+            "one deformation per subject, of its first phase": (carried, seconds[0]),
+            "every shape by itself": (alike, seconds[2]),
+            "the second, then the third": (both, seconds[0] + time.process_time() - clock[-1]),
+        }
+        for words, (maps, cost) in ways.items():
+            errors = errors_of_phases(measure, subjects, phases, everything, maps)
+            cells = [f"{part}, {words}", *(f"{e:.2f}" for e in errors), f"{cost:.1f}"]
+            print("| " + " | ".join(cells) + " |", flush=True)
+
+
+def errors_of_phases(measure, subjects, phases, meshes, maps):
+    """Of all ordered pairs; of those of one subject; of those of one phase."""
+    found = sp.remesh(meshes, maps, frequency=FREQUENCY).points
+    tissue, whose = subjects[0].tissue, [(s, t) for s in range(len(subjects)) for t in phases]
+    truth = [subjects[s].at(t) for s, t in whose]
+    pairs = {"all": [], "subject": [], "phase": []}
+    for a, (s, t) in enumerate(whose):
+        face, weight, _ = measure.closest_points(*truth[a], found[a])
+        corners = truth[a][1][face]
+        counted = tissue[corners].all(1)
+        for b, (other, then) in enumerate(whose):
+            if a == b:
+                continue
+            carried = np.einsum("pk,pkj->pj", weight, truth[b][0][corners])
+            error = np.linalg.norm(carried - found[b], axis=1)[counted].mean()
+            pairs["all"].append(error)
+            if s == other:
+                pairs["subject"].append(error)
+            elif t == then:
+                pairs["phase"].append(error)
+    return [np.mean(errors) for errors in pairs.values()]
 
 
 def print_skulls(data):
@@ -402,6 +484,9 @@ def main():
         return
     if names[:1] == ["--anchors"]:
         print_anchors(data, measure, names[1:])
+        return
+    if names[:1] == ["--phases"]:
+        print_phases(measure, names[1:])
         return
     if names[:1] == ["--skulls"]:
         print_skulls(data)
