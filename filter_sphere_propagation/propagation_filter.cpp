@@ -499,19 +499,10 @@ class PropagationFilter : public host::Filter {
 
   static void warnOfRepetitions(const host::Task& task, const Participants& participants,
                                 const Sequence& sequence) {
-    const std::vector<int> firsts = repeatedSurfaces(sequence);
-    std::vector<std::string> names, of;
-    for (size_t i = 0; i < firsts.size(); ++i) {
-      if (firsts[i] < 0) continue;
-      names.push_back(participants.layers[i].label());
-      of.push_back(participants.layers[static_cast<size_t>(firsts[i])].label());
-    }
-    if (names.size() > maxNamedSingly)
-      task.sayNaming(names, messages::repeatedSurfaces, names.size(), firsts.size(), namesIn(names),
-                     names.front(), of.front());
-    else
-      for (size_t k = 0; k < names.size(); ++k)
-        task.sayOf(names[k], messages::repeatedSurface, of[k]);
+    std::vector<std::string> names;
+    for (const host::Layer& layer : participants.layers) names.push_back(layer.label());
+    sphere_propagation::warnOfRepetitions(task, names, repeatedSurfaces(sequence),
+                                          {messages::repeatedSurface, messages::repeatedSurfaces});
   }
 
   /// What was found of left and right, besides what was reflected.

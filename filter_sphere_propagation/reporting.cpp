@@ -103,6 +103,21 @@ void warnOfManySizes(const host::Task& task, const std::vector<std::string>& nam
                  ratio > 1 ? "larger" : "smaller", unitsOf(ratio, " among "));
 }
 
+void warnOfRepetitions(const host::Task& task, const std::vector<std::string>& names,
+                       const std::vector<int>& firsts, const RepetitionMessages& messages) {
+  std::vector<std::string> copies, of;
+  for (size_t i = 0; i < firsts.size(); ++i) {
+    if (firsts[i] < 0) continue;
+    copies.push_back(names[i]);
+    of.push_back(names[static_cast<size_t>(firsts[i])]);
+  }
+  if (copies.size() > maxNamedSingly)
+    task.sayNaming(copies, messages.several, copies.size(), names.size(), namesIn(copies),
+                   copies.front(), of.front());
+  else
+    for (size_t k = 0; k < copies.size(); ++k) task.sayOf(copies[k], messages.one, of[k]);
+}
+
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures) {
   return label + ": " + counted(surface.vertexCount(), "vertex", "vertices") + ", " +

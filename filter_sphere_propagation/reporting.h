@@ -62,6 +62,13 @@ void warnOfManySizes(const host::Task& task, const std::vector<std::string>& nam
 /// How many of several are named one by one; more are listed in one warning.
 constexpr size_t maxNamedSingly = 3;
 
+/// What is there more than once. firsts: for each the first that is the same, or -1.
+struct RepetitionMessages {
+  const host::Message &one, &several;
+};
+void warnOfRepetitions(const host::Task& task, const std::vector<std::string>& names,
+                       const std::vector<int>& firsts, const RepetitionMessages& messages);
+
 /// "endo_03.ply: 12144 vertices, 0 flipped faces, area ratio sd 0.0021, angle error 9.2 degrees".
 std::string describeMap(const std::string& label, const ClosedSurface& surface,
                         const MapMeasures& measures);

@@ -331,6 +331,12 @@ void nameOutliers(const host::Task& task, const TrainingSet& given, const Traini
       for (const Outlier& outlier : outliers) nameOutlier(task, given, outlier);
 }
 
+std::vector<std::string> namesOf(const TrainingSet& set) {
+  std::vector<std::string> names;
+  for (const TrainingSet::Shape& shape : set.shapes()) names.push_back(shape.name);
+  return names;
+}
+
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }
 
 /// The mean, and for the first modes the shapes at both ends, coloured by their displacement along
@@ -472,7 +478,11 @@ class ShapeModelFilter : public host::Filter {
              ": " + counted(modes, "mode", "modes"));
     nameOutliers(task, given, aligned.shapes);
     if (!aligned.converged) task.say(messages::stillMoving, aligned.iterations);
-    if (all.modeCount() == 0) task.say(messages::identicalShapes);
+    if (all.modeCount() == 0)
+      task.say(messages::identicalShapes);
+    else
+      warnOfRepetitions(task, namesOf(given), repeatedShapes(aligned.shapes),
+                        {messages::repeatedShape, messages::repeatedShapes});
     if (modesWanted > modes) task.say(messages::fewerModes, modes);
     for (Eigen::Index m = 0; m < std::min<Eigen::Index>(modes, std::max(modeLayers, 3)); ++m)
       task.log("mode " + std::to_string(m + 1) + ": standard deviation " +

@@ -28,6 +28,7 @@ ALIKE = (
         "sizesStandOut",
         "halfOfShapesLarger",
     },
+    {"repeatedSurface", "repeatedSurfaces", "repeatedShape", "repeatedShapes"},
 )
 KEY = "warnings"  # of what a filter returns (host/warnings.h)
 

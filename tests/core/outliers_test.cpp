@@ -136,6 +136,33 @@ TEST(Outliers, NameLandmarksThatStray) {
     }
 }
 
+TEST(Outliers, NameALandmarkAndNotTheSizeThatItMakes) {
+  for (const Alignment alignment : alignments)
+    for (const double far : {30.0, 300.0}) {
+      auto shapes = test::ellipsoids(12, 62);
+      const double extent = std::sqrt(shapes[2].rowwise().squaredNorm().mean());
+      shapes[2].row(17) += far * extent * Eigen::RowVector3d(0, 0.6, 0.8);
+      const std::vector<Outlier> outliers = outliersOf(shapes, alignment);
+      ASSERT_EQ(outliers.size(), 1u) << far;
+      EXPECT_EQ(outliers[0].kind, Outlier::Kind::Landmarks) << far;
+      EXPECT_EQ(outliers[0].landmarks, std::vector<int>{17});
+    }
+}
+
+TEST(RepeatedShapes, AreTheSameOnceAligned) {
+  auto shapes = test::ellipsoids(8, 63);
+  shapes[5] = 2 * (shapes[1].rowwise() + Eigen::RowVector3d(3, 4, 5));
+  shapes[6] = shapes[1];
+  const auto repeated = [&](Alignment alignment) {
+    ProcrustesParameters parameters;
+    parameters.alignment = alignment;
+    const TrainingSet set = test::trainingSet(shapes, test::ellipsoidFaces());
+    return repeatedShapes(alignShapes(set, parameters).shapes);
+  };
+  EXPECT_EQ(repeated(Alignment::Similarity), (std::vector<int>{-1, -1, -1, -1, -1, 1, 1, -1}));
+  EXPECT_EQ(repeated(Alignment::None), (std::vector<int>{-1, -1, -1, -1, -1, -1, 1, -1}));
+}
+
 TEST(Outliers, NameLandmarksThatAreExchanged) {
   auto shapes = test::ellipsoids(12, 61);
   shapes[7].row(3).swap(shapes[7].row(140));

@@ -677,6 +677,18 @@ def test_landmarks_that_stray_are_named():
     assert "6 shapes of 8" in all_of_them["text"] and '(150 in "shape 06")' in all_of_them["text"]
 
 
+@pytest.mark.parametrize("copies", [1, 4])
+def test_shapes_that_are_there_twice(copies):
+    project = small_model_project()
+    shapes = [m.vertex_matrix() for m in project]
+    shapes += [shape + 7 for shape in shapes[:copies]]
+    code = project_of(shapes, project.mesh(0).face_matrix()).apply_filter(MODEL)["warnings"]
+    (remark,) = json.loads(bytes(map(int, code)).decode())
+    assert remark["layers"] == [f"shape {5 + k:02d}" for k in range(copies)]
+    assert remark["message"] == ("repeatedShape" if copies == 1 else "repeatedShapes")
+    assert '"shape 00"' in remark["text"]
+
+
 def test_many_that_stand_out_are_one_warning():
     project = small_model_project()
     shapes = np.array([m.vertex_matrix() for m in project])

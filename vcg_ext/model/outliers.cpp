@@ -19,7 +19,20 @@ constexpr double anotherSize = 1.8, groups = 3;     // factors
 constexpr double visible = 0.02, unlike = 0.5;      // shares of the shape's size
 constexpr double farOfOne = 6, visibleOfOne = 0.1;  // the same of one landmark
 constexpr int around = 6;                           // neighbours that tell where one is
-constexpr double abrupt = 8;                        // times what these are from where theirs say
+constexpr size_t fewStrays = 10;
+constexpr double same = 1e-5;  // of the shape's size
+constexpr double abrupt = 8;   // times what these are from where theirs say
+
+/// Of landmarks that stray these are left out.
+double radiusWithout(const Points& points, const std::vector<int>& strays) {
+  Points others(points.rows() - static_cast<Eigen::Index>(strays.size()), 3);
+  Eigen::Index next = 0;
+  for (Eigen::Index j = 0; j < points.rows(); ++j)
+    if (std::find(strays.begin(), strays.end(), static_cast<int>(j)) == strays.end())
+      others.row(next++) = points.row(j);
+  const Points centred = others.rowwise() - others.colwise().mean();
+  return std::sqrt(centred.rowwise().squaredNorm().mean());
+}
 
 double radius(const Points& points) {
   const Points centred = points.rowwise() - points.colwise().mean();
@@ -179,7 +192,13 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
   const std::vector<Outlier> strays = strayLandmarks(aligned.shapes(), middle, extent);
   for (size_t k = 0; k < count; ++k) {
     const double distance = distances[k];
-    if (fromMedian(sizes[k]) > usualSize) {
+    // A few that lie far off make a shape large, too, and move it.
+    const std::vector<int>& lost = strays[k].landmarks;
+    if (!lost.empty() && lost.size() <= fewStrays &&
+        static_cast<Eigen::Index>(lost.size()) < middle.rows() &&
+        fromMedian(radiusWithout(given.shapes()[k].landmarks, lost)) <= usualSize)
+      outliers.push_back(strays[k]);
+    else if (fromMedian(sizes[k]) > usualSize) {
       const double ratio = sizes[k] / median;
       outliers.push_back({k, Outlier::Kind::Size, ratio, distance, nearestUnitRatio(ratio)});
     } else if (distance > far * usual && distance > visible * extent) {
@@ -191,6 +210,26 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
     }
   }
   return outliers;
+}
+
+std::vector<int> repeatedShapes(const TrainingSet& aligned) {
+  const std::vector<TrainingSet::Shape>& shapes = aligned.shapes();
+  const double extent = radius(shapes.front().landmarks);
+  // Equal shapes are equally far from any other one.
+  std::vector<std::pair<double, size_t>> order;
+  for (size_t k = 0; k < shapes.size(); ++k)
+    order.emplace_back((shapes[k].landmarks - shapes.front().landmarks).norm(), k);
+  std::sort(order.begin(), order.end());
+  const double most = same * extent * std::sqrt(static_cast<double>(aligned.landmarkCount()));
+  std::vector<int> first(shapes.size(), -1);
+  for (size_t a = 0; a < order.size(); ++a)
+    for (size_t b = a + 1; b < order.size() && order[b].first - order[a].first <= most; ++b) {
+      const auto [one, other] = std::minmax(order[a].second, order[b].second);
+      if ((shapes[one].landmarks - shapes[other].landmarks).norm() > most) continue;
+      int& of = first[other];
+      if (of < 0 || static_cast<size_t>(of) > one) of = static_cast<int>(one);
+    }
+  return first;
 }
 
 }  // namespace sphere_propagation

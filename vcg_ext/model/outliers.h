@@ -20,7 +20,7 @@ struct Outlier {
   /// them from where its neighbours say that it is.
   double distance = 0;
   double units = 0;  ///< Size: the ratio of two units that `ratio` is close to, see unit_ratio.h
-  std::vector<int> landmarks;  ///< Landmarks: which, the farthest off first
+  std::vector<int> landmarks = {};  ///< Landmarks: which, the farthest off first
 };
 
 /// In the order of the shapes, each at most once: size first, landmarks last.
@@ -41,8 +41,13 @@ struct Outlier {
 ///   times as much as those six do themselves, the farthest not counted: on real skulls, whose
 ///   beaks differ by more than their length, that is at most 5.4.
 /// Fewer than 5 shapes have none.
+///   Up to 10 of a shape that is of the usual size without them are named in place of the shape.
 ///
 /// given: as they came; aligned: the same, aligned (alignShapes).
 std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& aligned);
+
+/// For each shape the first one that is the same to 1e-5 of its size, once aligned; -1: there is
+/// none.
+std::vector<int> repeatedShapes(const TrainingSet& aligned);
 
 }  // namespace sphere_propagation
