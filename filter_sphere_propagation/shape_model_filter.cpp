@@ -71,6 +71,7 @@ constexpr host::Named<LidRule> lidRules[]{
 struct Origins {
   std::vector<host::Layer> layers;
   std::vector<std::optional<host::Layer>> made;
+  std::vector<char> again;  // whether it was made of what the one before it was, too
 };
 
 /// In the order of the surfaces that they were made of, which is time order, wherever they are in
@@ -89,7 +90,9 @@ Origins inOrderOfSurfaces(const host::Task& task, const std::vector<host::Layer>
     sorted.layers.push_back(layers[order[k]]);
     sorted.made.push_back(sources[order[k]] ? std::optional(surfaces[*sources[order[k]]])
                                             : std::nullopt);
-    if (k > 0 && sources[order[k]] && sources[order[k]] == sources[order[k - 1]])
+    sorted.again.push_back(k > 0 && sources[order[k]] &&
+                           sources[order[k]] == sources[order[k - 1]]);
+    if (sorted.again.back())
       task.sayNaming({layers[order[k - 1]].label(), layers[order[k]].label()},
                      messages::shapeCountedTwice, layers[order[k - 1]].label(),
                      layers[order[k]].label(), surfaces[*sources[order[k]]].label());
@@ -145,6 +148,7 @@ struct Shapes {
   TrainingSet set;
   std::vector<AnchorSet> anchors;       // of each shape
   std::vector<SampledSurface> sampled;  // where they are asked for
+  std::vector<char> again;              // see Origins
 };
 
 /// Of a landmark layer: its own, those of the surface that it was made of, or, where they are asked
@@ -222,7 +226,7 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool 
   const std::vector<host::Layer> visible = task.layers.visible(host::LayerKind::Landmarks);
   if (visible.empty()) throw host::Refusal(messages::noLandmarkLayer);
   requireOneRoot(visible);
-  const auto [layers, made] = inOrderOfSurfaces(task, visible);
+  const auto [layers, made, again] = inOrderOfSurfaces(task, visible);
   std::vector<TrainingSet::Shape> shapes;
   std::vector<std::string> mirrored, others;
   std::optional<Triangles> faces, mirroredFaces;
@@ -248,7 +252,7 @@ Shapes shapesOf(const host::Task& task, LidRule rule, bool anchorsInFiles, bool 
   TrainingSet kept = withoutLids(task, std::move(set), shapesWithLid, rule);
   const bool lidsGo = kept.leftOut().size() > 0;
   return {std::move(kept), anchorsOf(task, layers, made, anchorsInFiles),
-          withSurfaces ? surfacesOf(layers, made, lidsGo) : std::vector<SampledSurface>()};
+          withSurfaces ? surfacesOf(layers, made, lidsGo) : std::vector<SampledSurface>(), again};
 }
 
 /// "3, 17, 40": numbers of landmarks as they were before any was left out.
@@ -335,6 +339,14 @@ std::vector<std::string> namesOf(const TrainingSet& set) {
   std::vector<std::string> names;
   for (const TrainingSet::Shape& shape : set.shapes()) names.push_back(shape.name);
   return names;
+}
+
+/// Without those that are named already, since their surface is the same.
+std::vector<int> repeatedBesides(const std::vector<char>& named, const TrainingSet& aligned) {
+  std::vector<int> firsts = repeatedShapes(aligned);
+  for (size_t k = 0; k < firsts.size(); ++k)
+    if (named[k]) firsts[k] = -1;
+  return firsts;
 }
 
 std::string percent(double share) { return shortNumber(100 * share) + " %"; }
@@ -481,7 +493,7 @@ class ShapeModelFilter : public host::Filter {
     if (all.modeCount() == 0)
       task.say(messages::identicalShapes);
     else
-      warnOfRepetitions(task, namesOf(given), repeatedShapes(aligned.shapes),
+      warnOfRepetitions(task, namesOf(given), repeatedBesides(shapes.again, aligned.shapes),
                         {messages::repeatedShape, messages::repeatedShapes});
     if (modesWanted > modes) task.say(messages::fewerModes, modes);
     for (Eigen::Index m = 0; m < std::min<Eigen::Index>(modes, std::max(modeLayers, 3)); ++m)

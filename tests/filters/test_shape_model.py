@@ -695,7 +695,7 @@ def test_many_that_stand_out_are_one_warning():
     rng = np.random.default_rng(5)
     ms = pymeshlab.MeshSet()
     for k in range(40):
-        points = shapes[k % 5] * (1 + 0.01 * rng.standard_normal())
+        points = shapes[k % 5] * (1 + 0.01 * rng.standard_normal((1, 3)))
         if k >= 21:
             points = points / 10
         elif k % 4 == 1:
