@@ -296,6 +296,31 @@ def _refuse_what_is_none(path: Path) -> None:
             f"{path} holds no surface, although FreeSurfer calls its surfaces so: lh.white and "
             "lh.pial are some, lh.curv and lh.thickness hold numbers on them."
         )
+    _refuse_decimal_commas(path)
+
+
+# Where coordinates stand in text, by suffix; binary files are left to their readers.
+COORDINATES = {
+    ".obj": rb"^v[ \t]",
+    ".stl": rb"^[ \t]*vertex[ \t]",
+    ".ply": rb"^[ \t]*[-+.\d]",
+    ".off": rb"^[ \t]*[-+.\d]",
+    ".vtk": rb"^[ \t]*[-+.\d]",
+}
+
+
+def _refuse_decimal_commas(path: Path) -> None:
+    """What follows a comma is no number to most readers, which go on without a word."""
+    line = COORDINATES.get(path.suffix.lower())
+    start = _start(path, 1 << 16) if line else b""
+    if path.suffix.lower() == ".vtk":
+        start = start.partition(b"DATASET")[2]  # a title may say anything
+    comma = line and b"\0" not in start and re.search(line + rb"[^\n]*\d,\d", start, re.M)
+    if comma:
+        number = re.search(rb"[-+]?\d*,\d+", comma[0])
+        raise FileError(
+            f"{path} writes numbers with a comma, as {number[0].decode()}: write them with a point."
+        )
 
 
 def _reader_for(path: Path) -> Optional[Callable[[Path], Found]]:

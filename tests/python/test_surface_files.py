@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import pyvista
 import sphere_propagation as sp
+import trimesh
 import vtk
 from sphere_propagation import command, readers
 
@@ -373,6 +374,23 @@ def test_freesurfers_in_ascii(body, tmp_path):
 
 
 # ---------------------------------------------------------------- what is no surface
+
+
+@pytest.mark.parametrize("suffix", ["obj", "off", "ply", "stl", "vtk"])
+def test_decimal_commas_are_refused(suffix, body, tmp_path):
+    """Which other readers take for the end of a number."""
+    path = tmp_path / f"a.{suffix}"
+    mesh = pyvista.PolyData.from_regular_faces(*body)
+    if suffix in ("obj", "off"):
+        trimesh.Trimesh(*body, process=False).export(path)
+    else:
+        mesh.save(path, binary=False)
+    assert len(sp.read_mesh(path).vertices) == len(body[0])
+    path.write_text(re.sub(r"(\d)\.(\d)", r"\1,\2", path.read_text()))
+    with pytest.raises(
+        sp.FileError, match=r"writes numbers with a comma, as -?\d*,\d+: write them"
+    ):
+        sp.read_mesh(path)
 
 
 def image(path, *_):
