@@ -255,6 +255,13 @@ def rebuilt(meshes, build):
     return sp.rebuilt_generalisation(surfaces, 1, build=build, alignment="None").generalisation[0]
 
 
+def population(make, vertices, seed):
+    """The truth, and noisy surfaces of it, from populations()."""
+    random = np.random.RandomState(seed)
+    truth = make(random)
+    return truth, [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+
+
 def onto(measure, points, mesh):
     """The closest points of a mesh, which has noise."""
     vertices, faces = mesh
@@ -271,10 +278,7 @@ def print_measures(data, measure, names):
     )
     made = populations(data, measure)
     for name in names:
-        make, vertices, seed = made[name]
-        random = np.random.RandomState(seed)
-        truth = make(random)
-        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+        truth, meshes = population(*made[name])
         rows = {}
         for objective in ("propagated", "Population model", "Description length"):
             project = propagated(meshes)
@@ -315,10 +319,7 @@ def print_anchors(data, measure, names):
     )
     made = populations(data, measure)
     for name in names:
-        make, vertices, seed = made[name]
-        random = np.random.RandomState(seed)
-        truth = make(random)
-        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+        truth, meshes = population(*made[name])
         chosen = true_points(truth)
         errors, flipped = [], 0
         for optimised, where in ((False, ""), (True, ""), (True, "later"), (True, "first")):
@@ -504,10 +505,7 @@ def main():
         "CPU s |\n| --- | --- | --- | --- | --- | --- |"
     )
     for name in names or made:
-        make, vertices, seed = made[name]
-        random = np.random.RandomState(seed)
-        truth = make(random)
-        meshes = [meshed(truth, k, vertices, random, noise=0.05) for k in range(SHAPES)]
+        truth, meshes = population(*made[name])
         errors, flipped, seconds = [], 0, []
         for alignment in (None, "Rigid", "None"):
             project = propagated(meshes, restoration)
