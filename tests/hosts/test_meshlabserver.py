@@ -3,12 +3,14 @@
 PyMeshLab."""
 
 import gzip
+import re
+import shutil
 
 import numpy as np
 import pymeshlab
 import pytest
 import volume_files
-from conftest import heart
+from conftest import SAMPLE, heart
 from documents import EVALUATE, MODEL, PROPAGATE, REMESH, ROOT, landmark_layers
 from server import SCRIPTS, layer_files, write_project, write_script
 
@@ -74,6 +76,17 @@ def test_the_whole_job(server, measure, surfaces, tmp_path, data, script):
         points = measure.points(measure.read_ply(tmp_path / f"landmarks_{i}.ply")[0])
         # In mm; hearts are 100 mm long, floats of that size 8e-6 apart.
         assert np.abs(points - layer.vertex_matrix()).max() < 2e-3
+
+
+def test_anchors_that_lie_beside_the_meshes_guide_the_job(server, surfaces, tmp_path):
+    for file in surfaces:
+        name = f"{file.stem}_picked_points.pp"
+        shutil.copy(SAMPLE / "anchors" / name, tmp_path / name)
+    run, _ = server.job(surfaces, tmp_path)
+    assert run.code == 0, run.output[-3000:]
+    for file in surfaces:
+        assert re.search(rf"{file.stem}\S*: 4 anchors from", run.output)
+    assert "Anchors, soft" in run.output
 
 
 def test_a_saved_project_goes_on_in_pymeshlab_and_comes_back(server, surfaces, tmp_path):
