@@ -81,6 +81,36 @@ def test_the_whole_job(meshlab, surfaces):
         gui.picture("3-done")
 
 
+def test_open_ventricles_get_lids_and_maps(meshlab, surfaces, tmp_path):
+    """Cut across the upper third, as they come from segmentations that end at the valves."""
+    files = []
+    for file in surfaces[:3]:
+        ms = pymeshlab.MeshSet()
+        ms.load_new_mesh(str(file))
+        v, f = ms.current_mesh().vertex_matrix(), ms.current_mesh().face_matrix()
+        height = v[f].mean(1)[:, 2]
+        kept = f[height < np.quantile(height, 0.8)]
+        used, numbers = np.unique(kept, return_inverse=True)
+        cut = pymeshlab.MeshSet()
+        cut.add_mesh(pymeshlab.Mesh(v[used], numbers.reshape(-1, 3)))
+        files.append(tmp_path / f"open_{file.name}")
+        cut.save_current_mesh(str(files[-1]), save_vertex_color=False)
+    with meshlab(*files) as gui:
+        opened(gui, 3)
+        gui.picture("1-open")
+        with pytest.raises(GuiError, match="Prepare surface"):
+            gui.apply(ROOT)
+        gui.close_message()
+        gui.close_dialog()
+        said = gui.apply("Prepare surface", All_visible_surfaces=True)
+        assert said.count("1 opening closed") == 3
+        gui.picture("2-closed")
+        assert "0 flipped faces" in gui.apply(ROOT)
+        assert gui.apply(PROPAGATE).count("0 flipped faces") == 3
+        assert "lie on lids" in gui.apply(REMESH)
+        gui.picture("3-landmarks")
+
+
 def test_an_empty_project_can_be_filled(meshlab):
     with meshlab() as gui:
         enabled = {(e["menu"], e["text"]) for e in gui.menus() if e["enabled"]}
