@@ -456,6 +456,7 @@ struct BodiesOfRevolution {
 };
 
 TEST(Groupwise, AnchorsSayWhatSurfacesDoNotShow) {
+  if (test::underSanitizer()) GTEST_SKIP() << "runs what AnchorsOfSomeShapesAlone runs";
   const BodiesOfRevolution bodies(6);
   ThreadPool pool(2);
   GroupwiseParameters parameters = sized();
@@ -467,9 +468,9 @@ TEST(Groupwise, AnchorsSayWhatSurfacesDoNotShow) {
   parameters.anchors = bodies.anchors;
   parameters.anchors[0]["of one shape"] = Vector3(1, 2, 3);
   const Groupwise found = optimiseGroupwise(bodies.maps, pool, parameters);
-  EXPECT_LT(bodies.error(mapsOf(found)), (test::underSanitizer() ? 0.9 : 0.5) * before);
+  EXPECT_LT(bodies.error(mapsOf(found)), 0.5 * before);
   for (const GroupwiseShape& shape : found.shapes) {
-    EXPECT_LT(shape.anchorDistance, test::underSanitizer() ? 2 : 0.6);  // of 16
+    EXPECT_LT(shape.anchorDistance, 0.6);  // of 16
     EXPECT_TRUE(certify(shape.map.faces(), shape.map.positions()).valid());
   }
 }
