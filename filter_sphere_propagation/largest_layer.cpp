@@ -29,12 +29,10 @@ LargestLayer::LargestLayer(const std::vector<host::Layer>& surfaces) {
   std::vector<double> volumes;
   for (const Entry& entry : entries_) volumes.push_back(entry.volume);
   const double median = medianOf(std::move(volumes));
-  for (size_t k = 0; k < order.size(); ++k) {
-    if (k == 0) largest_ = order.front();
-    if (k < order.size() / 4 && volume(order[k]) > apart * volume(order[k + 1]) &&
-        volume(order[k]) > unusual * median)
+  if (!order.empty()) largest_ = order.front();
+  for (size_t k = 0; k < order.size() / 4; ++k)
+    if (volume(order[k]) > apart * volume(order[k + 1]) && volume(order[k]) > unusual * median)
       largest_ = order[k + 1];
-  }
 }
 
 double LargestLayer::volumeOf(int layerId) const {

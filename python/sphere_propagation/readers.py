@@ -285,13 +285,13 @@ def _start(path: Path, count: int) -> bytes:
 
 
 def _refuse_what_is_none(path: Path) -> None:
-    start = _start(path, 7)
+    start = _start(path, len(APPLE_DOUBLE))
     if not start:
         raise FileError(f"{path} cannot be read as a mesh. It is empty.")
-    if start[:4] == APPLE_DOUBLE:
+    if start == APPLE_DOUBLE:
         raise FileError(f"{path} is what macOS keeps beside a file of this name: it holds no mesh.")
     named = FREESURFER.match(path.name) and path.suffix.lower() not in (*SUFFIXES, *OF_MESHLAB)
-    if named and not start.startswith((FREESURFER_MAGIC, FREESURFER_ASCII)):
+    if named and not is_freesurfer(path):
         raise FileError(
             f"{path} holds no surface, although FreeSurfer calls its surfaces so: lh.white and "
             "lh.pial are some, lh.curv and lh.thickness hold numbers on them."

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-only
 #include "vcg_ext/fitting/mirrored_fit.h"
 
-#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "vcg_ext/base/error.h"
 
 namespace sphere_propagation {
 namespace {
 
-constexpr Eigen::Index observed = 250;  // landmarks; the samples are thinned alike
 constexpr int iterations = 8, starts = 6;
 
 }  // namespace
@@ -20,9 +19,7 @@ double advantageOfMirrorImage(const FittingModel& model, const FittingTarget& ta
   parameters.scales = scales;
   parameters.iterations = iterations;
   parameters.starts = starts;
-  parameters.thinning = static_cast<int>(std::max<Eigen::Index>(1, model.mean().rows() / observed));
-  parameters.pose = RigidMotion{fit.rotation, fit.translation};
-  parameters.scale = fit.scale;
+  parameters = onceMoreFrom(fit, model, std::move(parameters));
   const double itself = fitModel(model, target, pool, parameters).logPosterior;
   parameters.pose = std::nullopt;
   try {

@@ -435,4 +435,13 @@ ModelFit fitModel(const FittingModel& model, const FittingTarget& target, Thread
   return fit;
 }
 
+ModelFitParameters onceMoreFrom(const ModelFit& fit, const FittingModel& model,
+                                ModelFitParameters parameters) {
+  constexpr Eigen::Index observed = 250;
+  parameters.thinning = static_cast<int>(std::max<Eigen::Index>(1, model.mean().rows() / observed));
+  parameters.pose = RigidMotion{fit.rotation, fit.translation};
+  parameters.scale = fit.scale;
+  return parameters;
+}
+
 }  // namespace sphere_propagation

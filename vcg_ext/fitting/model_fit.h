@@ -88,4 +88,9 @@ struct ModelFit {
 ModelFit fitModel(const FittingModel& model, const FittingTarget& target, ThreadPool& pool,
                   const ModelFitParameters& parameters = {}, const Progress& progress = {});
 
+/// To fit once more, for its posterior alone: from where `fit` brought the model, to a part of the
+/// landmarks (250) and samples.
+ModelFitParameters onceMoreFrom(const ModelFit& fit, const FittingModel& model,
+                                ModelFitParameters parameters);
+
 }  // namespace sphere_propagation

@@ -134,12 +134,8 @@ class Population {
     const std::vector<std::vector<PlacedAnchor>> there = placed(anchors, trust);
     return pool_.makeEach(count(), [&](int k) {
       const auto i = static_cast<size_t>(k);
-      const auto its = static_cast<Eigen::Index>(there[i].size());
-      if (its == 0) return std::nan("");
-      Points directions(its, 3);
-      for (Eigen::Index a = 0; a < its; ++a)
-        directions.row(a) = there[i][static_cast<size_t>(a)].direction.transpose();
-      const Points here = shapes_[i]->read(shapes_[i]->followed(std::move(directions)));
+      if (there[i].empty()) return std::nan("");
+      const Points here = shapes_[i]->read(shapes_[i]->followed(directionsOf(there[i])));
       return (here - anchors.points(i)).rowwise().norm().mean();
     });
   }
@@ -200,10 +196,7 @@ double rootMeanSquare(const Points& rows, const Eigen::VectorXd& weights) {
 Pulls pullsOf(const std::vector<PlacedAnchor>& anchors, MovingLandmarks& shape,
               const PopulationPose& pose, int k, const Points& then, double precision) {
   const auto count = static_cast<Eigen::Index>(anchors.size());
-  Pulls pulls{Points(count, 3), Points(count, 3), Eigen::VectorXd(count)};
-  for (Eigen::Index a = 0; a < count; ++a)
-    pulls.directions.row(a) = anchors[static_cast<size_t>(a)].direction.transpose();
-  pulls.directions = shape.followed(std::move(pulls.directions));
+  Pulls pulls{shape.followed(directionsOf(anchors)), Points(count, 3), Eigen::VectorXd(count)};
   const Points here = shape.read(pulls.directions);
   for (Eigen::Index a = 0; a < count; ++a) {
     const PlacedAnchor& anchor = anchors[static_cast<size_t>(a)];

@@ -102,18 +102,16 @@ Points MovingLandmarks::followed(Points points) const {
   return points;
 }
 
-Points MovingLandmarks::undone(Points points) const {
+Points MovingLandmarks::undone(Points points, double share) const {
   for (auto step = steps_.rbegin(); step != steps_.rend(); ++step)
-    points = step->fields->flow(points, step->theta, -1);
+    points = step->fields->flow(points, share * step->theta, -1);
   return points;
 }
 
 FollowedMap MovingLandmarks::map() const {
   if (!steps_.empty())
     for (const double share : shares) {
-      Points positions = surface_.positions();
-      for (auto step = steps_.rbegin(); step != steps_.rend(); ++step)
-        positions = step->fields->flow(positions, share * step->theta, -1);
+      Points positions = undone(surface_.positions(), share);
       Points relocated = positions;
       if (const int flipped = relocateFlipped(surface_.faces(), relocated); flipped >= 0)
         if (std::optional<MappedSurface> valid =

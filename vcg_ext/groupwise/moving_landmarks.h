@@ -44,9 +44,10 @@ class MovingLandmarks {
                            const Points& displacements, const Eigen::VectorXd& weights,
                            double damping, const Pulls& pulls = {});
 
-  /// phi of points on the sphere, #P by 3, and phi^-1 of them.
+  /// phi of points on the sphere, #P by 3, and phi^-1 of them, or the inverse of this share of
+  /// each of its flows.
   Points followed(Points points) const;
-  Points undone(Points points) const;
+  Points undone(Points points, double share = 1) const;
   /// The points of the surface that P sends to these directions.
   Points read(const Points& directions) { return reader_.read(directions).points; }
 

@@ -12,6 +12,13 @@
 
 namespace sphere_propagation {
 
+Points directionsOf(const std::vector<PlacedAnchor>& anchors) {
+  Points directions(static_cast<Eigen::Index>(anchors.size()), 3);
+  for (Eigen::Index a = 0; a < directions.rows(); ++a)
+    directions.row(a) = anchors[static_cast<size_t>(a)].direction.transpose();
+  return directions;
+}
+
 PopulationAnchors::PopulationAnchors(const std::vector<AnchorSet>& sets,
                                      const std::vector<MappedSurface>& maps, double deviation,
                                      std::shared_ptr<const Icosphere> sphere)

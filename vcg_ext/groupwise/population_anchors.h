@@ -28,6 +28,9 @@ struct PlacedAnchor {
   }
 };
 
+/// Of each its direction, #A by 3.
+Points directionsOf(const std::vector<PlacedAnchor>& anchors);
+
 /// No shape is the root, so nobody says where on the sphere an anchor lies. Each shape that has it
 /// has a place for it, phi_k^-1(P(y_k)), y_k the point of its surface; the common one is their
 /// mean, which is found anew whenever landmarks have moved.

@@ -23,19 +23,14 @@ constexpr size_t fewStrays = 10;
 constexpr double same = 1e-5;  // of the shape's size
 constexpr double abrupt = 8;   // times what these are from where theirs say
 
-/// Of landmarks that stray these are left out.
-double radiusWithout(const Points& points, const std::vector<int>& strays) {
+/// Without some of them, which stray.
+double radius(const Points& points, const std::vector<int>& strays = {}) {
   Points others(points.rows() - static_cast<Eigen::Index>(strays.size()), 3);
   Eigen::Index next = 0;
   for (Eigen::Index j = 0; j < points.rows(); ++j)
     if (std::find(strays.begin(), strays.end(), static_cast<int>(j)) == strays.end())
       others.row(next++) = points.row(j);
   const Points centred = others.rowwise() - others.colwise().mean();
-  return std::sqrt(centred.rowwise().squaredNorm().mean());
-}
-
-double radius(const Points& points) {
-  const Points centred = points.rowwise() - points.colwise().mean();
   return std::sqrt(centred.rowwise().squaredNorm().mean());
 }
 
@@ -196,7 +191,7 @@ std::vector<Outlier> findOutliers(const TrainingSet& given, const TrainingSet& a
     const std::vector<int>& lost = strays[k].landmarks;
     if (!lost.empty() && lost.size() <= fewStrays &&
         static_cast<Eigen::Index>(lost.size()) < middle.rows() &&
-        fromMedian(radiusWithout(given.shapes()[k].landmarks, lost)) <= usualSize)
+        fromMedian(radius(given.shapes()[k].landmarks, lost)) <= usualSize)
       outliers.push_back(strays[k]);
     else if (fromMedian(sizes[k]) > usualSize) {
       const double ratio = sizes[k] / median;
